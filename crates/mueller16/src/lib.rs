@@ -1,0 +1,2 @@
+//! Matter: interfaces and optical elements as Mueller matrices.
+#![forbid(unsafe_code)]

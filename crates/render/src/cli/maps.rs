@@ -1,0 +1,14 @@
+//! `brewster maps`.
+
+use std::process::ExitCode;
+
+use super::Outcome;
+
+/// Command line of `brewster maps`.
+#[derive(clap::Args, Debug)]
+pub struct Args {}
+
+/// Runs the command.
+pub fn run(_args: &Args) -> Outcome {
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,30 @@
+//! The command line: one file a subcommand, each with its `Args` and `run`.
+
+use std::process::ExitCode;
+
+pub mod compare;
+pub mod maps;
+
+/// Why a command could not do its work, in the words that the user reads.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure {
+    /// The command line or the scene is wrong: exit status 2.
+    #[error("{0}")]
+    Usage(String),
+    /// The work itself failed (a file could not be written, …): exit status 1.
+    #[error("{0}")]
+    Work(String),
+}
+
+impl Failure {
+    /// 2 for a wrong command line or scene, 1 for work that failed.
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Usage(_) => ExitCode::from(2),
+            Self::Work(_) => ExitCode::from(1),
+        }
+    }
+}
+
+/// What a subcommand returns.
+pub type Outcome = Result<ExitCode, Failure>;

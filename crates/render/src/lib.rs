@@ -1,0 +1,4 @@
+//! Brewster: a polarization-aware renderer, from scene file to Stokes image.
+#![deny(unsafe_code)]
+
+pub mod cli;

@@ -1,0 +1,33 @@
+//! The `brewster` command: parse, run, print the error.
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use render::cli;
+
+/// A polarization-aware renderer: Mitsuba 3 scenes in, Stokes images and polarization maps out.
+#[derive(Parser)]
+#[command(version, arg_required_else_help = true)]
+struct Command {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Make pictures from a Stokes image (ours or Mitsuba's)
+    Maps(cli::maps::Args),
+    /// Compare two Stokes images, component by component
+    Compare(cli::compare::Args),
+}
+
+fn main() -> ExitCode {
+    let outcome = match Command::parse().task {
+        Task::Maps(args) => cli::maps::run(&args),
+        Task::Compare(args) => cli::compare::run(&args),
+    };
+    outcome.unwrap_or_else(|failure| {
+        eprintln!("brewster: {failure}");
+        failure.exit_code()
+    })
+}

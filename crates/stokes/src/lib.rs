@@ -1,0 +1,2 @@
+//! Light: Stokes vectors, transverse frames, Mueller matrices.
+#![forbid(unsafe_code)]
