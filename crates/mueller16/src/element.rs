@@ -97,3 +97,103 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
         a[0] * b[1] - a[1] * b[0],
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
+    fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+        a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    }
+
+    fn same_axis(a: [f64; 3], b: [f64; 3]) -> bool {
+        (dot(a, b).abs() - 1.0).abs() < 1e-14
+    }
+
+    #[test]
+    fn polarizers_turn_clockwise_and_retarders_counter_clockwise_seen_from_the_front() {
+        for k in [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]] {
+            for theta in [0.0f64, 0.3, FRAC_PI_4, 1.4, -0.8] {
+                let (sin, cos) = theta.sin_cos();
+                assert!(same_axis(
+                    polarizer_transmitted_axis(theta, k),
+                    [cos, -sin, 0.0]
+                ));
+                assert!(same_axis(retarder_fast_axis(theta, k), [cos, sin, 0.0]));
+            }
+        }
+    }
+
+    #[test]
+    fn a_polarizer_at_45_degrees_seen_from_the_front_passes_negative_s2() {
+        // light that leaves through the front travels along +z; its receiver has U right and V up
+        let axis = polarizer_transmitted_axis(FRAC_PI_4, [0.0, 0.0, 1.0]);
+        let to_axis = stokes::FrameRotation::from_axis(axis[0], axis[1]);
+        let light = stokes::StokesVector::UNPOLARIZED.rotated(to_axis);
+        let out = linear_polarizer().apply(light).rotated(to_axis.inverse());
+        let expected = stokes::StokesVector::ANTIDIAGONAL * 0.5;
+        assert!((out - expected).to_vector().norm() < 1e-15);
+    }
+
+    #[test]
+    fn axes_of_oblique_rays_are_transverse_unit_vectors() {
+        let k = [0.48, -0.6, 0.64];
+        for theta in [0.0, 0.7, 2.0] {
+            for axis in [
+                polarizer_transmitted_axis(theta, k),
+                retarder_fast_axis(theta, k),
+            ] {
+                assert!(dot(axis, k).abs() < 1e-15);
+                assert!((dot(axis, axis) - 1.0).abs() < 1e-15);
+            }
+            // Korger et al.: what is absorbed is the projection of the absorbing axis
+            let absorbing = [f64::sin(theta), f64::cos(theta), 0.0];
+            assert!(dot(polarizer_transmitted_axis(theta, k), absorbing).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn turning_theta_is_turning_the_plate() {
+        // polarizer at θ, ray in the plane V = 0, equals polarizer at 0 in axes turned by −θ about the normal
+        let (theta, k) = (0.6f64, [0.6, 0.0, 0.8]);
+        let (sin, cos) = theta.sin_cos();
+        let turn = |v: [f64; 3], sin: f64| [cos * v[0] - sin * v[1], sin * v[0] + cos * v[1], v[2]];
+        let by_theta = polarizer_transmitted_axis(theta, k);
+        let by_turning = turn(polarizer_transmitted_axis(0.0, turn(k, sin)), -sin);
+        assert!(same_axis(by_theta, by_turning));
+    }
+
+    #[test]
+    fn the_fast_axis_has_no_seam_between_quadrants() {
+        let tilted = |phi: f64| {
+            let (sin, cos) = phi.sin_cos();
+            retarder_fast_axis(0.4, [0.17 * cos, 0.17 * sin, (1.0f64 - 0.17 * 0.17).sqrt()])
+        };
+        for step in 0..3600 {
+            let (a, b) = (
+                tilted(f64::from(step).to_radians() / 10.0),
+                tilted(f64::from(step + 1).to_radians() / 10.0),
+            );
+            assert!(dot(a, b) > 1.0 - 1e-6);
+        }
+    }
+
+    #[test]
+    fn light_along_an_axis_gets_the_limit_of_its_neighbours() {
+        let near = 1e-6f64;
+        let k = [near.cos(), 0.0, near.sin()];
+        let along = [1.0, 0.0, 0.0];
+        assert!(
+            (dot(retarder_fast_axis(0.0, k), retarder_fast_axis(0.0, along)).abs() - 1.0).abs()
+                < 1e-11
+        );
+        let limit = polarizer_transmitted_axis(FRAC_PI_2, along);
+        assert!((dot(polarizer_transmitted_axis(FRAC_PI_2, k), limit).abs() - 1.0).abs() < 1e-11);
+    }
+
+    #[test]
+    fn a_tilted_plate_retards_less() {
+        assert_eq!(oblique_retardance(2.0, [0.6, 0.0, -0.8]), 1.6);
+    }
+}

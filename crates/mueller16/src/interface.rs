@@ -20,7 +20,7 @@ pub enum IndexError {
     Transparent(f64),
     /// The index of an absorbing medium.
     #[error(
-        "refractive index: found eta {eta} and k {k}, expected two numbers between 0 and 1e70, not both 0"
+        "refractive index: found eta {eta} and k {k}, expected two numbers between 0 and 1e70, not both below 1e-70"
     )]
     Absorbing {
         /// Real part.
@@ -133,15 +133,19 @@ impl DielectricInterface {
         if squared <= 0.0 {
             return None;
         }
-        // t_s √(w/a) = 2√(a w)/(a + w), finite at grazing incidence where the weight w/a is not
+        // T_s = t_s² w/a = 4 a w/(a + w)², finite at grazing incidence where the weight w/a is not
         let w = squared.sqrt();
         let a = n1 * cos_i;
-        let both = 2.0 * (a * w).sqrt();
+        let (t_s, t_p) = (1.0 / (a + w), n2 / (n2 * n2 * cos_i + n1 * w));
+        let half = 2.0 * a * w;
+        let (power_s, power_p) = (half * t_s * t_s, half * t_p * t_p);
         Some(Transmitted {
-            element: DiattenuatingRetarder::from_real_amplitudes(
-                both / (a + w),
-                both * n2 / (n2 * n2 * cos_i + n1 * w),
-            ),
+            element: DiattenuatingRetarder {
+                mean: power_s + power_p,
+                difference: power_s - power_p,
+                cosine: 2.0 * half * t_s * t_p,
+                sine: 0.0,
+            },
             cos_t: w / n2,
         })
     }
@@ -167,6 +171,12 @@ fn total_reflection(a_s: f64, a_p: f64, n1: f64, q: f64) -> DiattenuatingRetarde
     }
 }
 
+/// `part/whole`, and 1 where both vanish.
+#[inline]
+fn fraction(part: f64, whole: f64) -> f64 {
+    if whole < 1e-300 { 1.0 } else { part / whole }
+}
+
 /// Smooth interface from a transparent medium to an absorbing one, `n₂ = η − ik`.
 ///
 /// ```
@@ -187,10 +197,11 @@ impl ConductorInterface {
     ///
     /// # Errors
     ///
-    /// When `n1` is not a number between 1e-70 and 1e70, or `eta`, `k` are not numbers between 0 and 1e70, or both 0.
+    /// When `n1` is not a number between 1e-70 and 1e70, `eta` or `k` is not a number between 0 and 1e70,
+    /// or both are below 1e-70.
     pub fn new(n1: f64, eta: f64, k: f64) -> Result<Self, IndexError> {
         let valid = |x: f64| (0.0..=1e70).contains(&x);
-        if !valid(eta) || !valid(k) || (eta == 0.0 && k == 0.0) {
+        if !valid(eta) || !valid(k) || eta.max(k) < 1e-70 {
             return Err(IndexError::Absorbing { eta, k });
         }
         Ok(Self {
@@ -213,11 +224,35 @@ impl ConductorInterface {
 
     /// Mueller matrix of reflection.
     ///
-    /// `cos_i` in `0.0..=1.0`. Error below 1e-14; see [`csdm::fresnel`].
+    /// `cos_i` in `0.0..=1.0`. Error below 1e-14. Grazing light at equal media is reflected whole.
+    ///
+    /// With `a = n₁ cos θ₁`, `t = n₁² sin² θ₁`, `w = n₂ cos θ₂` as in [`csdm::fresnel`]:
+    ///
+    /// ```text
+    /// r_s = (a − w)/(a + w)      r_p = −r_s q      q = (a w − t)/(a w + t)      r_s r_p* = −|r_s|² q*
+    /// ```
+    ///
+    /// so that every element but the phase is a sum of positive numbers, and `n₂²` is not needed.
+    ///
+    /// Source: Born & Wolf, Principles of Optics, 7th ed., section 1.5.2: `r_p/r_s = −cos(θ₁ + θ₂)/cos(θ₁ − θ₂)`
+    /// in the axes used here, and `n₁ n₂ cos(θ₁ ± θ₂) = a w ∓ t`.
     #[inline]
     #[must_use]
     pub fn reflection(&self, cos_i: f64) -> DiattenuatingRetarder {
-        let r = fresnel::reflection(cos_i, self.n1, self.n2);
-        DiattenuatingRetarder::from_amplitudes(r.s, r.p)
+        let w = fresnel::normal_index(cos_i, self.n1, self.n2);
+        let a = self.n1 * cos_i;
+        let t = self.n1 * self.n1 * (1.0 - cos_i) * (1.0 + cos_i);
+        let loss = w.im * w.im;
+        let (sum, difference) = (a + w.re, a - w.re);
+        let power_s = fraction(difference * difference + loss, sum * sum + loss);
+        let aw = a * a * (w.re * w.re + loss);
+        let twice_at = 2.0 * a * t;
+        let scale = fraction(power_s, aw + t * t + twice_at * w.re);
+        DiattenuatingRetarder {
+            mean: scale * (aw + t * t),
+            difference: scale * twice_at * w.re,
+            cosine: scale * (t * t - aw),
+            sine: scale * twice_at * w.im,
+        }
     }
 }
