@@ -1,0 +1,30 @@
+//! Scene files: the Mitsuba 3 XML dialect, read strictly, and the meshes that it names.
+//!
+//! ```text
+//! file ─ source ─ element ─ value ┐
+//!            defines ($name) ─────┴─ xml ─ tree (ids, refs) ─ Document ─ Object: typed parameters
+//! ```
+//!
+//! A scene is read in two steps. [`read`] knows the grammar and no plugin; it returns a [`Document`]. Whoever builds
+//! a plugin then asks its [`Object`] for the parameters by name and type, and calls [`Object::finish`], which refuses
+//! what nobody has asked for.
+
+mod defines;
+mod element;
+mod error;
+pub mod mesh;
+mod number;
+mod obj;
+mod object;
+mod params;
+mod search;
+mod source;
+mod spectral;
+mod transform;
+mod tree;
+mod value;
+mod xml;
+
+pub use error::{Position, SceneError, nearest};
+pub use object::{Document, Object, Tag};
+pub use xml::{read, read_text};

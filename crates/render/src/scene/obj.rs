@@ -1,0 +1,339 @@
+//! Wavefront OBJ: vertices, normals, texture coordinates and faces of the whole file as one mesh.
+//!
+//! A reader of our own because every error names its line, and because groups and materials must not cut the
+//! neighbourhood of a vertex, on which smooth normals depend.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use super::error::{Position, SceneError, quoted, suggestion};
+use super::mesh::{Mesh, count_degenerate, vertex_normals};
+use super::source::read_bytes;
+
+/// Statements that carry no triangles and are passed over: names, materials, smoothing groups, display hints.
+const IGNORED: [&str; 13] = [
+    "g", "o", "s", "mg", "usemtl", "mtllib", "usemap", "maplib", "bevel", "c_interp", "d_interp",
+    "lod", "call",
+];
+
+/// Statements of points, lines and free-form surfaces; passed over too, with a notice.
+const NO_TRIANGLES: [&str; 22] = [
+    "p",
+    "l",
+    "vp",
+    "cstype",
+    "deg",
+    "bmat",
+    "step",
+    "curv",
+    "curv2",
+    "surf",
+    "parm",
+    "trim",
+    "hole",
+    "scrv",
+    "sp",
+    "end",
+    "con",
+    "csh",
+    "ctech",
+    "stech",
+    "shadow_obj",
+    "trace_obj",
+];
+
+/// No texture coordinate or normal at this corner.
+const NONE: u32 = u32::MAX;
+
+/// Reads an OBJ file.
+///
+/// All groups become one mesh; a polygon becomes a fan of triangles around its first corner. Vertex colours, the
+/// fourth coordinate and materials are ignored. `flip_tex_coords` replaces v by 1 − v. Tolerated, with a notice: no
+/// faces at all, corners without a normal (they get the smooth one) or without texture coordinates (they get 0, 0)
+/// where others have them, statements that make no triangles.
+///
+/// # Errors
+///
+/// Unreadable files, statements outside the format, numbers that are not finite in single precision, indices of
+/// vertices that do not exist: with file and line.
+pub fn load_obj(path: &Path, flip_tex_coords: bool) -> Result<Mesh, SceneError> {
+    parse(&read_bytes(path)?, path, flip_tex_coords)
+}
+
+/// Reads the bytes of an OBJ file that is said to stand in `path`.
+fn parse(bytes: &[u8], path: &Path, flip_tex_coords: bool) -> Result<Mesh, SceneError> {
+    let file: Arc<Path> = path.into();
+    let mut statements = Statements::default();
+    let mut number = 0;
+    let mut joined = String::new();
+    for line in bytes.split(|&byte| byte == b'\n') {
+        number += 1;
+        let at = |message: String| Position::line(file.clone(), number).error(message);
+        let line = line.trim_ascii();
+        if joined.is_empty() && statements.skips(line) {
+            continue;
+        }
+        let line = std::str::from_utf8(line)
+            .map_err(|_| at("the line is not text, expected an OBJ file".to_owned()))?;
+        // A backslash at the end joins the next line to this one.
+        if let Some(start) = line.strip_suffix('\\') {
+            joined.push_str(start);
+            joined.push(' ');
+        } else if joined.is_empty() {
+            statements.take(line, number).map_err(at)?;
+        } else {
+            joined.push_str(line);
+            statements.take(&joined, number).map_err(at)?;
+            joined.clear();
+        }
+    }
+    if !joined.is_empty() {
+        return Err(Position::line(file, number)
+            .error("the file ends after a backslash, expected another line"));
+    }
+    let mut mesh = statements
+        .mesh(flip_tex_coords)
+        .map_err(|(line, message)| Position::line(file, line).error(message))?;
+    let whole = Position::whole(path);
+    for notice in &mut mesh.notices {
+        *notice = whole.error(&*notice).to_string();
+    }
+    Ok(mesh)
+}
+
+/// What the file says, with indices as in the file but counted from zero.
+#[derive(Default)]
+struct Statements {
+    positions: Vec<[f32; 3]>,
+    texcoords: Vec<[f32; 2]>,
+    normals: Vec<[f32; 3]>,
+    /// Position, texture coordinate, normal.
+    corners: Vec<[u32; 3]>,
+    /// End of the corners of each face, and its line.
+    faces: Vec<(usize, u32)>,
+    ignored: usize,
+}
+
+impl Statements {
+    /// Comments, empty lines and names, which need not be UTF-8.
+    fn skips(&self, line: &[u8]) -> bool {
+        let end = line.iter().position(u8::is_ascii_whitespace);
+        let keyword = &line[..end.unwrap_or(line.len())];
+        line.is_empty() || line[0] == b'#' || IGNORED.iter().any(|name| name.as_bytes() == keyword)
+    }
+
+    fn take(&mut self, line: &str, number: u32) -> Result<(), String> {
+        let line = line.split('#').next().unwrap_or_default();
+        let mut words = line.split_ascii_whitespace();
+        match words.next() {
+            None => {}
+            Some("v") => self.positions.push(floats("v", words, 3)?),
+            Some("vn") => self.normals.push(floats("vn", words, 3)?),
+            Some("vt") => self.texcoords.push(floats("vt", words, 1)?),
+            Some("f") => self.face(words, number)?,
+            Some(other) if NO_TRIANGLES.contains(&other) => self.ignored += 1,
+            Some(other) => {
+                return Err(format!(
+                    "unknown statement {}{}",
+                    quoted(other),
+                    suggestion(other, &["v", "vn", "vt", "f"])
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn face<'w>(&mut self, words: impl Iterator<Item = &'w str>, line: u32) -> Result<(), String> {
+        let start = self.corners.len();
+        let counts = [
+            self.positions.len(),
+            self.texcoords.len(),
+            self.normals.len(),
+        ];
+        for word in words {
+            let mut corner = [NONE; 3];
+            let mut parts = word.split('/');
+            for ((slot, count), part) in corner.iter_mut().zip(counts).zip(&mut parts) {
+                if !part.is_empty() {
+                    *slot = index(part, count)?;
+                }
+            }
+            if corner[0] == NONE || parts.next().is_some() {
+                return Err(format!(
+                    "face corner {}, expected v, v/vt, v//vn or v/vt/vn",
+                    quoted(word)
+                ));
+            }
+            self.corners.push(corner);
+        }
+        match self.corners.len() - start {
+            3.. => {
+                self.faces.push((self.corners.len(), line));
+                Ok(())
+            }
+            few => Err(format!("face with {few} corners, expected at least 3")),
+        }
+    }
+
+    /// Merges equal corners into vertices; errors come with their line.
+    fn mesh(&self, flip_tex_coords: bool) -> Result<Mesh, (u32, String)> {
+        let mut mesh = Mesh::default();
+        let mut known: HashMap<[u32; 3], u32> = HashMap::with_capacity(self.positions.len());
+        let mut corners: Vec<[u32; 3]> = Vec::with_capacity(self.positions.len());
+        let mut start = 0;
+        for &(end, line) in &self.faces {
+            let mut fan = [0; 2];
+            for (k, corner) in self.corners[start..end].iter().enumerate() {
+                let vertex = match known.get(corner) {
+                    Some(&vertex) => vertex,
+                    None => {
+                        self.check(corner).map_err(|message| (line, message))?;
+                        let vertex = u32::try_from(corners.len())
+                            .map_err(|_| (line, "more than 4294967295 vertices".to_owned()))?;
+                        corners.push(*corner);
+                        known.insert(*corner, vertex);
+                        vertex
+                    }
+                };
+                match k {
+                    0 => fan[0] = vertex,
+                    1 => fan[1] = vertex,
+                    _ => {
+                        mesh.triangles.push([fan[0], fan[1], vertex]);
+                        fan[1] = vertex;
+                    }
+                }
+            }
+            start = end;
+        }
+        mesh.positions = corners
+            .iter()
+            .map(|c| self.positions[c[0] as usize])
+            .collect();
+        self.attributes(&mut mesh, &corners, flip_tex_coords);
+        self.remark(&mut mesh);
+        Ok(mesh)
+    }
+
+    fn check(&self, corner: &[u32; 3]) -> Result<(), String> {
+        let lists = [
+            (self.positions.len(), "vertex"),
+            (self.texcoords.len(), "texture coordinate"),
+            (self.normals.len(), "normal"),
+        ];
+        for (&index, (count, what)) in corner.iter().zip(lists) {
+            if index != NONE && index as usize >= count {
+                return Err(format!(
+                    "face names {what} {}, expected at most {count}, the number in the file",
+                    u64::from(index) + 1
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn attributes(&self, mesh: &mut Mesh, corners: &[[u32; 3]], flip_tex_coords: bool) {
+        let absent = |k: usize| corners.iter().filter(|c| c[k] == NONE).count();
+        if absent(1) < corners.len() {
+            let texcoord = |corner: &[u32; 3]| match self.texcoords.get(corner[1] as usize) {
+                Some(&[u, v]) if flip_tex_coords => [u, 1.0 - v],
+                Some(&uv) => uv,
+                None => [0.0, 0.0],
+            };
+            mesh.texcoords = Some(corners.iter().map(texcoord).collect());
+            if absent(1) > 0 {
+                let n = absent(1);
+                mesh.notices.push(format!(
+                    "{n} vertices lack texture coordinates and get (0, 0)"
+                ));
+            }
+        }
+        if absent(2) < corners.len() {
+            let given = |corner: &[u32; 3]| {
+                let normal = glam::Vec3::from(*self.normals.get(corner[2] as usize)?).as_dvec3();
+                Some(normal.try_normalize()?.as_vec3().to_array())
+            };
+            let mut normals: Vec<_> = corners.iter().map(given).collect();
+            let missing = normals.iter().filter(|normal| normal.is_none()).count();
+            if missing > 0 {
+                for (normal, smooth) in normals.iter_mut().zip(vertex_normals(mesh)) {
+                    normal.get_or_insert(smooth);
+                }
+                mesh.notices.push(format!(
+                    "{missing} vertices lack a normal and get a smooth one"
+                ));
+            }
+            mesh.normals = Some(normals.into_iter().flatten().collect());
+        }
+    }
+
+    fn remark(&self, mesh: &mut Mesh) {
+        mesh.degenerate = count_degenerate(mesh);
+        if mesh.triangles.is_empty() {
+            mesh.notices.push("the file has no faces".to_owned());
+        }
+        if mesh.degenerate > 0 {
+            let n = mesh.degenerate;
+            mesh.notices.push(format!("{n} triangles have no area"));
+        }
+        if self.ignored > 0 {
+            let n = self.ignored;
+            mesh.notices.push(format!(
+                "{n} statements of points, lines or free-form surfaces are ignored"
+            ));
+        }
+    }
+}
+
+/// The first `N` numbers of a statement, of which `needed` must be there; the others are zero. More may follow.
+fn floats<'w, const N: usize>(
+    keyword: &str,
+    words: impl Iterator<Item = &'w str>,
+    needed: usize,
+) -> Result<[f32; N], String> {
+    let mut numbers = [0.0; N];
+    let mut found = 0;
+    for word in words {
+        let value: f32 = word.parse().map_err(|_| {
+            format!(
+                "{} in '{keyword}' is no number, expected {needed} or more",
+                quoted(word)
+            )
+        })?;
+        if !value.is_finite() {
+            return Err(format!(
+                "{} in '{keyword}' is not finite in single precision, expected a finite number",
+                quoted(word)
+            ));
+        }
+        if let Some(slot) = numbers.get_mut(found) {
+            *slot = value;
+        }
+        found += 1;
+    }
+    if found < needed {
+        return Err(format!(
+            "'{keyword}' with {found} numbers, expected {needed}"
+        ));
+    }
+    Ok(numbers)
+}
+
+/// An index counted from zero: positive ones count from the start of the file, negative ones back from this line.
+fn index(text: &str, count: usize) -> Result<u32, String> {
+    let number: i64 = text
+        .parse()
+        .map_err(|_| format!("index {} in a face, expected an integer", quoted(text)))?;
+    let from_zero = match number {
+        0 => return Err("index 0 in a face, expected 1 for the first vertex".to_owned()),
+        1.. => number - 1,
+        _ => i64::try_from(count)
+            .unwrap_or(i64::MAX)
+            .saturating_add(number),
+    };
+    u32::try_from(from_zero)
+        .ok()
+        .filter(|&index| index != NONE)
+        .ok_or_else(|| format!("index {number} in a face, there are {count} before this line"))
+}
