@@ -2,3 +2,5 @@
 #![deny(unsafe_code)]
 
 pub mod cli;
+pub mod image;
+pub mod output;
