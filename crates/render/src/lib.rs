@@ -2,5 +2,6 @@
 #![deny(unsafe_code)]
 
 pub mod cli;
+pub mod compare;
 pub mod image;
 pub mod output;
