@@ -1,2 +1,10 @@
 //! Fields: Jones matrices, Fresnel amplitudes, and the way from them to Mueller matrices.
+//!
+//! Fields are complex amplitudes in `exp(+iωt)`, indices are `n = η − ik`; frames and the sign of S3 are those of
+//! the page of [`stokes`]. Jones matrices act on `(E_x, E_y)` in the frame of the ray, and `x` is s at an interface.
 #![forbid(unsafe_code)]
+
+pub mod fresnel;
+mod jones;
+
+pub use jones::{JonesMatrix, stokes_vector};

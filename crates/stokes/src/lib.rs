@@ -1,2 +1,43 @@
 //! Light: Stokes vectors, transverse frames, Mueller matrices.
+//!
+//! # Signs, decided once
+//!
+//! - **Time factor** `exp(+iωt)`: an absorbing medium has index `n = η − ik` with `k ≥ 0`, and a slow axis
+//!   multiplies the field by `e^{−iδ}`.
+//! - **Frame**: right-handed `(x, y, z)` with `z` along the propagation of the light. Light is looked at by a
+//!   receiver who faces its source, `x` to the right and `y` up; angles are counter-clockwise for that receiver.
+//! - **S1 > 0**: the field vibrates along `x`. **S2 > 0**: along `x + y`.
+//! - **S3 > 0**: the field turns *clockwise* for that receiver ("right-handed" in optics). In `exp(+iωt)`
+//!   `S3 = i⟨E_x E_y* − E_y E_x*⟩ = −2 Im⟨E_x E_y*⟩`, so `E = (1, i)/√2` has `S3 = +1`.
+//! - **Rotation**: [`FrameRotation`] leads from the old to the new `x` axis; [`Mueller::rotated`] turns the element.
+//! - **s and p**: `x` of the frame is s, perpendicular to the plane of incidence (`normal × propagation` on every
+//!   side), `y = z × x` is p. Hence `r_p = −r_s` at normal incidence.
+//! - **Order of media**: first the one that the light comes from.
+//!
+//! # Notation
+//!
+//! | symbol | name | unit | where |
+//! |---|---|---|---|
+//! | λ₀ | vacuum wavelength | m | [`Wavelength`] |
+//! | k₀ = 2π/λ₀ | vacuum wavenumber | rad/m | [`Wavenumber`] |
+//! | (x, y, z) | transverse frame, z along propagation | 1 | [`Frame`] |
+//! | cos 2t, sin 2t | rotation of a frame by t | 1 | [`FrameRotation`] |
+//! | S = [S0, S1, S2, S3] | Stokes vector | W/m², W/(m² sr), … | [`StokesVector`] |
+//! | P = √(S1² + S2² + S3²)/S0 | degree of polarization | 1 | [`StokesVector::degree_of_polarization`] |
+//! | ψ = ½ atan2(S2, S1) | angle of linear polarization | rad | [`StokesVector::angle_of_linear_polarization`] |
+//! | χ = ½ atan2(S3, √(S1² + S2²)) | ellipticity angle | rad | [`StokesVector::ellipticity_angle`] |
+//! | M | Mueller matrix | 1 | [`Mueller`] |
+//! | a, b, c, s | diattenuator and retarder on common axes | 1 | [`DiattenuatingRetarder`] |
 #![forbid(unsafe_code)]
+
+mod frame;
+mod mueller;
+mod observables;
+mod units;
+mod vector;
+
+pub use frame::{Frame, FrameError, FrameRotation};
+pub use mueller::{DiattenuatingRetarder, Mueller};
+pub use observables::{Handedness, PolarizationEllipse};
+pub use units::{NotPositive, Wavelength, Wavenumber};
+pub use vector::{FramedStokes, StokesVector};
