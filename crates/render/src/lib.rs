@@ -2,5 +2,22 @@
 #![deny(unsafe_code)]
 
 pub mod cli;
+pub mod coherence;
+pub mod colour;
+pub mod compare;
+pub mod emitter;
+pub mod engine;
+pub mod film;
+pub mod filter;
+pub mod geometry;
+pub mod image;
+pub mod ior;
+pub mod light;
+pub mod material;
+pub mod output;
+pub mod path;
+pub mod sampler;
 pub mod scene;
+pub mod sensor;
+pub mod shape;
 pub mod spectrum;

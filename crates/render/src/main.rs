@@ -15,6 +15,8 @@ struct Command {
 
 #[derive(Subcommand)]
 enum Task {
+    /// Render a scene to a Stokes image
+    Render(Box<cli::render::Args>),
     /// Make pictures from a Stokes image (ours or Mitsuba's)
     Maps(cli::maps::Args),
     /// Compare two Stokes images, component by component
@@ -23,6 +25,7 @@ enum Task {
 
 fn main() -> ExitCode {
     let outcome = match Command::parse().task {
+        Task::Render(args) => cli::render::run(&args),
         Task::Maps(args) => cli::maps::run(&args),
         Task::Compare(args) => cli::compare::run(&args),
     };

@@ -12,3 +12,8 @@ pub struct Args {}
 pub fn run(_args: &Args) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
+
+/// Placeholder.
+pub fn write_beside(_: &crate::image::StokesImage, _: &str, _: &std::path::Path, _: bool) -> Result<(), super::Failure> {
+    Ok(())
+}

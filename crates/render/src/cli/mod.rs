@@ -4,6 +4,8 @@ use std::process::ExitCode;
 
 pub mod compare;
 pub mod maps;
+pub mod render;
+pub mod values;
 
 /// Why a command could not do its work, in the words that the user reads.
 #[derive(Debug, thiserror::Error)]

@@ -9,6 +9,7 @@
 //! a plugin then asks its [`Object`] for the parameters by name and type, and calls [`Object::finish`], which refuses
 //! what nobody has asked for.
 
+mod build;
 mod defines;
 mod element;
 mod error;
@@ -17,14 +18,18 @@ mod number;
 mod obj;
 mod object;
 mod params;
+pub mod plugins;
 mod search;
 mod source;
 mod spectral;
 mod transform;
 mod tree;
 mod value;
+mod world;
 mod xml;
 
+pub use build::{BuiltScene, Overrides, build};
 pub use error::{Position, SceneError, nearest};
 pub use object::{Document, Object, Tag};
+pub use world::{Body, Encounter, Owner, Scene};
 pub use xml::{read, read_text};

@@ -71,6 +71,11 @@ impl Object {
             .ok_or_else(|| self.lacks(name, "a string"))
     }
 
+    /// Whether the file gives this parameter as a text. Does not count as reading it.
+    pub fn is_string(&self, name: &str) -> bool {
+        self.parameters.iter().any(|p| p.name == name && matches!(p.value, Value::String(_)))
+    }
+
     /// One of the `allowed` texts, or `default`.
     pub fn choice(
         &self,

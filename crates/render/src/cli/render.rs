@@ -1,0 +1,280 @@
+//! `brewster render`: what the user typed, turned into a job, run and written.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use cpu_time::ProcessTime;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use super::values::{Band, Crop, Define, Size, parse_duration, parse_error, parse_wavelength};
+use super::{Failure, Outcome};
+use crate::engine::{self, Job, Limits, Progress, Rendering};
+use crate::film::SpectralMode;
+use crate::image::{Colour, StokesImage};
+use crate::output::{self, WriteOptions};
+use crate::sampler::Generator;
+use crate::scene::{self, Overrides};
+
+/// Command line of `brewster render`.
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// Scene file (Mitsuba 3 XML)
+    scene: PathBuf,
+    /// Image to write: .exr or .npy [default: the scene's name with .exr, in the current folder]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Samples a pixel [default: the scene's]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1 << 40))]
+    spp: Option<u64>,
+    /// Seed of the random numbers
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// Size of the film instead of the scene's
+    #[arg(long, value_name = "WxH")]
+    size: Option<Size>,
+    /// Render only this window of the film
+    #[arg(long, value_name = "X,Y,W,H")]
+    crop: Option<Crop>,
+    /// One wavelength [default: 550nm]
+    #[arg(long, value_name = "550nm", value_parser = parse_wavelength, conflicts_with_all = ["bands", "rgb"])]
+    wavelength: Option<f64>,
+    /// Equal bands of wavelengths; each shows the mean over its band
+    #[arg(long, value_name = "FROM:TO:N", conflicts_with = "rgb")]
+    bands: Option<Band>,
+    /// Linear sRGB of every Stokes component, from 360 to 830 nm
+    #[arg(long)]
+    rgb: bool,
+    /// S0 alone, by scalar transport
+    #[arg(long)]
+    unpolarized: bool,
+    /// Generator of the random numbers
+    #[arg(long, value_enum, default_value_t)]
+    sampler: Generator,
+    /// Stop after this time with the samples taken so far
+    #[arg(long, value_name = "60s", value_parser = parse_duration)]
+    time: Option<Duration>,
+    /// Stop at this error: √(mean variance of the mean)/mean S0, worst component
+    #[arg(long, value_name = "0.01", value_parser = parse_error)]
+    target_error: Option<f64>,
+    /// Threads [default: one a core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Fill $NAME in the scene file
+    #[arg(short = 'D', value_name = "NAME=VALUE")]
+    define: Vec<Define>,
+    /// Pictures to make beside the image: `all`, or names from `brewster maps --help`, separated by commas
+    #[arg(long, value_name = "LIST")]
+    maps: Option<String>,
+    /// Write exactly the channels that Mitsuba writes
+    #[arg(long)]
+    mitsuba_channels: bool,
+    /// No progress bar and no notices
+    #[arg(short, long)]
+    quiet: bool,
+    /// One line of JSON with times and rates on standard output
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Outcome {
+    let (start, cpu_start) = (Instant::now(), ProcessTime::now());
+    let output = output_path(args)?;
+    let threads = args.threads.map_or_else(
+        || std::thread::available_parallelism().map_or(1, usize::from),
+        usize::from,
+    );
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|e| Failure::Work(format!("{threads} threads cannot be started: {e}")))?;
+    let (job, notices) = load(args)?;
+    if !args.quiet {
+        for notice in notices {
+            eprintln!("notice: {notice}");
+        }
+    }
+    let bar = progress_bar(args.quiet, job.samples);
+    let stop = stop_on_interrupt()?;
+    let limits = Limits { time: args.time, error: args.target_error };
+    let rendering = pool.install(|| engine::render(&job, limits, &stop, |progress| show(&bar, progress)));
+    bar.finish_and_clear();
+
+    let image = to_image(args, &job, &rendering);
+    output::write(&output, &image, &WriteOptions { mitsuba_channels: args.mitsuba_channels })
+        .map_err(|e| Failure::Work(e.to_string()))?;
+    if !args.quiet {
+        tell(&output, &rendering, start.elapsed());
+    }
+    if let Some(list) = &args.maps {
+        super::maps::write_beside(&image, list, &output, args.quiet)?;
+    }
+    if args.json {
+        print_json(&rendering, threads, start.elapsed(), cpu_start.elapsed());
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Where the image goes; refuses endings that cannot be written and folders that do not exist before any work is done.
+fn output_path(args: &Args) -> Result<PathBuf, Failure> {
+    let Some(output) = &args.output else {
+        let stem = args.scene.file_stem().unwrap_or(args.scene.as_os_str());
+        return Ok(Path::new(stem).with_extension("exr"));
+    };
+    let known = output.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr") || e.eq_ignore_ascii_case("npy"));
+    if !known {
+        return Err(Failure::Usage(format!("{}: unknown kind of image, expected a name in .exr or .npy", output.display())));
+    }
+    let folder = output.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        return Err(Failure::Usage(format!("{}: no such folder, expected one to write into", folder.display())));
+    }
+    Ok(output.clone())
+}
+
+/// Reads the scene and joins it with the command line; also what the user should know about the file.
+fn load(args: &Args) -> Result<(Job, Vec<String>), Failure> {
+    let wrong = |e: scene::SceneError| Failure::Usage(e.to_string());
+    let defines: Vec<(String, String)> = args.define.iter().map(|d| (d.name.clone(), d.value.clone())).collect();
+    let document = scene::read(&args.scene, &defines).map_err(wrong)?;
+    let overrides = Overrides { size: args.size.map(|s| s.0), crop: args.crop.map(|c| c.0) };
+    let built = scene::build(&document, overrides).map_err(wrong)?;
+    let film = &built.film;
+    let fits = (0..2).all(|axis| {
+        film.crop_offset[axis].checked_add(film.crop_size[axis]).is_some_and(|end| end <= film.size[axis])
+    });
+    if !fits {
+        return Err(Failure::Usage(format!(
+            "--crop: {},{},{},{} reaches beyond the film, expected a window within {}x{}",
+            film.crop_offset[0], film.crop_offset[1], film.crop_size[0], film.crop_size[1], film.size[0], film.size[1]
+        )));
+    }
+    let mode = if args.rgb {
+        SpectralMode::Rgb
+    } else if let Some(Band { from, to, count }) = args.bands {
+        SpectralMode::Bands { from, to, count }
+    } else {
+        SpectralMode::Single(args.wavelength.unwrap_or(550.0))
+    };
+    let job = Job {
+        scene: built.scene,
+        camera: built.camera,
+        film: built.film,
+        paths: built.paths,
+        mode,
+        polarized: !args.unpolarized,
+        samples: args.spp.unwrap_or(built.samples),
+        seed: args.seed,
+    };
+    Ok((job, document.notices()))
+}
+
+fn progress_bar(quiet: bool, samples: u64) -> ProgressBar {
+    let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+    let style = ProgressStyle::with_template("{wide_bar} {pos}/{len} spp  {msg}  {eta} left")
+        .expect("the template is well formed");
+    ProgressBar::with_draw_target(Some(samples), target).with_style(style)
+}
+
+fn show(bar: &ProgressBar, progress: Progress) {
+    let rate = progress.counters.paths as f64 / progress.elapsed.as_secs_f64().max(1e-9) / 1e6;
+    bar.set_message(format!("{rate:.2} Mpaths/s  error {:.2} %", 100.0 * progress.error));
+    bar.set_position(progress.samples);
+}
+
+/// A flag that an interrupt sets: the pass in flight is finished and what there is is written.
+fn stop_on_interrupt() -> Result<Arc<AtomicBool>, Failure> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let flag = stop.clone();
+    ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            // asked twice: the user does not want to wait
+            std::process::exit(1);
+        }
+        // best effort: nobody may be listening
+        let _ = writeln!(std::io::stderr(), "\ninterrupted: finishing this pass; once more to quit at once");
+    })
+    .map_err(|e| Failure::Work(format!("interrupts cannot be caught: {e}")))?;
+    Ok(stop)
+}
+
+fn to_image(args: &Args, job: &Job, rendering: &Rendering) -> StokesImage {
+    let [width, height] = job.film.crop_size.map(|n| n as usize);
+    let colour = match &job.mode {
+        SpectralMode::Single(wavelength) => Colour::Mono { wavelength_nm: Some(*wavelength) },
+        SpectralMode::Bands { .. } => Colour::Bands { wavelengths_nm: job.mode.band_centres() },
+        SpectralMode::Rgb => Colour::Rgb,
+    };
+    let mut image = StokesImage::new(width, height, rendering.components(), colour);
+    let (means, variances) = rendering.image();
+    image.stokes = means;
+    // one sample has no variance
+    image.variance = (rendering.samples > 1).then_some(variances);
+    image.metadata = metadata(args, job, rendering);
+    image
+}
+
+fn metadata(args: &Args, job: &Job, rendering: &Rendering) -> std::collections::BTreeMap<String, String> {
+    let wavelengths = match &job.mode {
+        SpectralMode::Single(wavelength) => format!("{wavelength} nm"),
+        SpectralMode::Bands { from, to, count } => format!("{count} equal bands from {from} to {to} nm, mean over each"),
+        SpectralMode::Rgb => "linear sRGB from 360 to 830 nm, CIE 1931".to_owned(),
+    };
+    let since_epoch = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
+    [
+        ("scene", args.scene.display().to_string()),
+        ("seed", job.seed.to_string()),
+        ("samples", rendering.samples.to_string()),
+        ("wavelengths", wavelengths),
+        ("frame", "per sample: x = normalize(viewing direction x camera up), image right; y image up; seen from the sensor".to_owned()),
+        ("handedness", "S3 > 0: clockwise for an observer who faces the source (right-handed)".to_owned()),
+        ("version", format!("brewster {}", env!("CARGO_PKG_VERSION"))),
+        ("time", format!("{} s since 1970-01-01 UTC", since_epoch)),
+        ("renderSeconds", format!("{:.3}", rendering.wall.as_secs_f64())),
+    ]
+    .into_iter()
+    .map(|(key, value)| (key.to_owned(), value))
+    .collect()
+}
+
+fn tell(output: &Path, rendering: &Rendering, elapsed: Duration) {
+    let stopped = if rendering.interrupted { " (interrupted)" } else { "" };
+    eprintln!(
+        "{}: {} spp{stopped}, error {:.2} %, {:.2} Mpaths/s, {:.1} s",
+        output.display(),
+        rendering.samples,
+        100.0 * rendering.error(),
+        rendering.counters.paths as f64 / rendering.wall.as_secs_f64().max(1e-9) / 1e6,
+        elapsed.as_secs_f64()
+    );
+    if rendering.rejected > 0 {
+        eprintln!(
+            "warning: {} of {} samples were not finite and count as black; a radiance or a size beyond single precision?",
+            rendering.rejected, rendering.counters.paths
+        );
+    }
+}
+
+fn print_json(rendering: &Rendering, threads: usize, wall: Duration, cpu: Duration) {
+    let rate = |count: u64| count as f64 / rendering.wall.as_secs_f64().max(1e-9);
+    let line = serde_json::json!({
+        "paths": rendering.counters.paths,
+        "rays": rendering.counters.rays,
+        "samples": rendering.samples,
+        "paths_per_s": rate(rendering.counters.paths),
+        "rays_per_s": rate(rendering.counters.rays),
+        "sampling_wall_s": rendering.wall.as_secs_f64(),
+        "sampling_cpu_s": rendering.cpu.as_secs_f64(),
+        "wall_s": wall.as_secs_f64(),
+        "total_cpu_s": cpu.as_secs_f64(),
+        "threads": threads,
+        "error": rendering.error(),
+        "rejected": rendering.rejected,
+        "interrupted": rendering.interrupted,
+    });
+    println!("{line}");
+}

@@ -1,0 +1,153 @@
+//! Values on the command line: sizes, windows, wavelengths, times.
+
+use std::str::FromStr;
+use std::time::Duration;
+
+/// `640x480`, pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size(pub [u32; 2]);
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = numbers(text, &['x', 'X']);
+        match numbers.as_deref() {
+            Some(&[width @ 1..=65_536, height @ 1..=65_536]) => Ok(Self([width, height])),
+            _ => Err(format!("'{text}', expected width and height in pixels from 1 to 65536, such as 640x480")),
+        }
+    }
+}
+
+/// `X,Y,W,H`: a window of the film, pixels, from the top left corner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crop(pub [u32; 4]);
+
+impl FromStr for Crop {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match numbers(text, &[',']).as_deref() {
+            Some(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Self([x, y, width, height])),
+            _ => Err(format!("'{text}', expected left, top, width and height in pixels, such as 100,50,64,64")),
+        }
+    }
+}
+
+fn numbers(text: &str, separators: &[char]) -> Option<Vec<u32>> {
+    text.split(separators).map(|part| part.trim().parse().ok()).collect()
+}
+
+/// `FROM:TO:N`: equal bands, nm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Band {
+    /// Lower end of the first.
+    pub from: f64,
+    /// Upper end of the last.
+    pub to: f64,
+    /// How many.
+    pub count: usize,
+}
+
+impl FromStr for Band {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || format!("'{text}', expected FROM:TO:N with FROM < TO and N from 1 to 1000, such as 400nm:700nm:16");
+        let parts: Vec<&str> = text.split(':').collect();
+        let &[from, to, count] = &parts[..] else { return Err(wrong()) };
+        let (from, to) = (parse_wavelength(from)?, parse_wavelength(to)?);
+        match count.trim().parse() {
+            Ok(count @ 1..=1000) if from < to => Ok(Self { from, to, count }),
+            _ => Err(wrong()),
+        }
+    }
+}
+
+/// `NAME=VALUE`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Define {
+    /// The name after `$`.
+    pub name: String,
+    /// What stands for it.
+    pub value: String,
+}
+
+impl FromStr for Define {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once('=') {
+            Some((name, value)) if !name.is_empty() => Ok(Self { name: name.to_owned(), value: value.to_owned() }),
+            _ => Err(format!("'{text}', expected NAME=VALUE")),
+        }
+    }
+}
+
+/// A wavelength in nm from `550nm`, `550`, `1.6um`.
+pub fn parse_wavelength(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let (number, factor) = match text {
+        t if t.ends_with("nm") => (&t[..t.len() - 2], 1.0),
+        t if t.ends_with("um") => (&t[..t.len() - 2], 1e3),
+        t if t.ends_with("mm") => (&t[..t.len() - 2], 1e6),
+        t => (t, 1.0),
+    };
+    match number.trim().parse::<f64>() {
+        Ok(value) if (1.0..=1e9).contains(&(value * factor)) => Ok(value * factor),
+        _ => Err(format!("'{text}', expected a wavelength from 1nm to 1000mm, such as 550nm or 1.6um")),
+    }
+}
+
+/// A time from `60s`, `60`, `2m`, `1h`, `500ms`.
+pub fn parse_duration(text: &str) -> Result<Duration, String> {
+    let text = text.trim();
+    let units = [("ms", 1e-3), ("s", 1.0), ("m", 60.0), ("h", 3600.0)];
+    let (number, factor) = units
+        .iter()
+        .find_map(|(unit, factor)| text.strip_suffix(unit).map(|number| (number, *factor)))
+        .unwrap_or((text, 1.0));
+    match number.trim().parse::<f64>() {
+        Ok(value) if value > 0.0 && value * factor < 1e9 => Ok(Duration::from_secs_f64(value * factor)),
+        _ => Err(format!("'{text}', expected a positive time such as 60s, 5m or 1h")),
+    }
+}
+
+/// A positive error.
+pub fn parse_error(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err(format!("'{text}', expected a positive number such as 0.01 (1 %)")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_with_units_are_read() {
+        assert_eq!("640x480".parse(), Ok(Size([640, 480])));
+        assert_eq!("1, 2,3 ,4".parse(), Ok(Crop([1, 2, 3, 4])));
+        assert_eq!(parse_wavelength("1.6um"), Ok(1600.0));
+        assert_eq!(parse_wavelength("550"), Ok(550.0));
+        assert_eq!(parse_duration("1.5m"), Ok(Duration::from_secs(90)));
+        assert_eq!(parse_duration("250ms"), Ok(Duration::from_millis(250)));
+        assert_eq!("400nm:700nm:16".parse(), Ok(Band { from: 400.0, to: 700.0, count: 16 }));
+        assert_eq!("a=b=c".parse(), Ok(Define { name: "a".into(), value: "b=c".into() }));
+    }
+
+    #[test]
+    fn nonsense_is_refused_with_an_example() {
+        for text in ["", "0x10", "10", "10x", "-1x5", "1e3x1", "99999999999x1"] {
+            assert!(text.parse::<Size>().is_err_and(|e| e.contains("640x480")), "{text}");
+        }
+        for text in ["700nm:400nm:3", "400:700:0", "400:700", "400:700:x"] {
+            assert!(text.parse::<Band>().is_err(), "{text}");
+        }
+        for text in ["", "nm", "-5nm", "NaN", "inf", "0"] {
+            assert!(parse_wavelength(text).is_err(), "{text}");
+            assert!(parse_duration(text).is_err(), "{text}");
+        }
+    }
+}

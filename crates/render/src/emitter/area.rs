@@ -1,0 +1,56 @@
+//! `area`: a shape that shines, from its front side.
+//!
+//! | parameter  | type     | meaning                | default |
+//! |------------|----------|------------------------|---------|
+//! | `radiance` | spectrum | W/(m² sr), unpolarized | 1       |
+//!
+//! ```xml
+//! <shape type="rectangle"><emitter type="area"><float name="radiance" value="12"/></emitter></shape>
+//! ```
+
+use glam::Vec3A;
+
+use super::{Connection, Target};
+use crate::scene::{Body, Object, Scene, SceneError};
+use crate::shape::Surface;
+use crate::spectrum::{Spectrum, SpectrumUse};
+
+/// A shining shape.
+#[derive(Clone, Debug)]
+pub struct Area {
+    /// Radiance.
+    pub radiance: Spectrum,
+    /// The shape, as the scene numbers it.
+    pub body: Body,
+}
+
+impl Area {
+    /// Reads its parameters.
+    pub fn read(object: &Object, body: Body) -> Result<Self, SceneError> {
+        Ok(Self { radiance: object.spectrum("radiance", SpectrumUse::Emission, Spectrum::constant(1.0))?, body })
+    }
+
+    #[inline]
+    pub(super) fn connect(&self, scene: &Scene, from: Vec3A, u: [f32; 2]) -> Option<Connection> {
+        let sample = match self.body {
+            Body::Shape(index) => scene.shapes[index as usize].sample(from, u),
+            Body::Mesh(index) => scene.meshes[index as usize].sample(from, u),
+        }?;
+        let direction = (sample.position - from).normalize();
+        (direction.dot(sample.normal) < 0.0).then_some(Connection {
+            direction,
+            target: Some(Target { position: sample.position, error: sample.error, normal: sample.normal }),
+            density: sample.pdf,
+            discrete: false,
+            weight: 1.0,
+        })
+    }
+
+    #[inline]
+    pub(super) fn density(&self, scene: &Scene, from: Vec3A, at: &Surface) -> f32 {
+        match self.body {
+            Body::Shape(index) => scene.shapes[index as usize].pdf(from, at),
+            Body::Mesh(index) => scene.meshes[index as usize].pdf(from, at),
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! Light sources: one file a plugin, with its manual page on top; here the enum and what all of them answer.
+
+pub mod area;
+pub mod constant;
+pub mod directional;
+pub mod point;
+pub mod spot;
+
+use glam::Vec3A;
+
+use crate::geometry::frame::Frame;
+use crate::scene::Scene;
+use crate::shape::Surface;
+
+/// Any light source.
+#[derive(Clone, Debug)]
+pub enum Emitter {
+    /// The surface of a shape.
+    Area(area::Area),
+    /// The same radiance from everywhere.
+    Constant(constant::Constant),
+    /// A point.
+    Point(point::Point),
+    /// A point with a cone.
+    Spot(spot::Spot),
+    /// One direction.
+    Directional(directional::Directional),
+}
+
+/// A way from a vertex to a light source.
+#[derive(Clone, Copy, Debug)]
+pub struct Connection {
+    /// Unit direction toward the source.
+    pub direction: Vec3A,
+    /// Where the source is; `None`: infinitely far.
+    pub target: Option<Target>,
+    /// Density per steradian; for a discrete source 1.
+    pub density: f32,
+    /// Whether no other way to sample it exists (a point, a single direction).
+    pub discrete: bool,
+    /// Factor on the source's spectrum: 1 for radiance, 1/r² for intensity, …
+    pub weight: f32,
+}
+
+/// The end of a shadow ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Target {
+    /// Position, metres.
+    pub position: Vec3A,
+    /// Half-widths of the box that contains the true point; zero for a point source.
+    pub error: Vec3A,
+    /// Normal of the source there; zero for a point source.
+    pub normal: Vec3A,
+}
+
+impl Emitter {
+    /// Draws a way from a vertex to the source. `frame` has its normal on the side from which the vertex can be lit.
+    #[inline]
+    pub fn connect(&self, scene: &Scene, from: Vec3A, frame: &Frame, u: [f32; 2]) -> Option<Connection> {
+        match self {
+            Self::Area(e) => e.connect(scene, from, u),
+            Self::Constant(e) => e.connect(frame, u),
+            Self::Point(e) => e.connect(from),
+            Self::Spot(e) => e.connect(from),
+            Self::Directional(e) => e.connect(),
+        }
+    }
+
+    /// Density per steradian of [`Emitter::connect`] for a surface point that a ray from `from` has hit.
+    #[inline]
+    pub fn density_of_hit(&self, scene: &Scene, from: Vec3A, at: &Surface) -> f32 {
+        match self {
+            Self::Area(e) => e.density(scene, from, at),
+            _ => 0.0,
+        }
+    }
+
+    /// Its spectrum (radiance, intensity or irradiance) at a wavelength in nm.
+    #[inline]
+    pub fn spectrum(&self, wavelength: f32) -> f32 {
+        match self {
+            Self::Area(e) => e.radiance.value(wavelength),
+            Self::Constant(e) => e.radiance.value(wavelength),
+            Self::Point(e) => e.intensity.value(wavelength),
+            Self::Spot(e) => e.intensity.value(wavelength),
+            Self::Directional(e) => e.irradiance.value(wavelength),
+        }
+    }
+}

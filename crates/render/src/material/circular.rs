@@ -1,0 +1,64 @@
+//! `circular`: a thin ideal circular polarizer.
+//!
+//! | parameter       | type     | meaning                                     | default |
+//! |-----------------|----------|---------------------------------------------|---------|
+//! | `transmittance` | spectrum | factor on what passes                       | 1       |
+//! | `left_handed`   | boolean  | passes S3 < 0 instead of S3 > 0             | false   |
+//!
+//! ```xml
+//! <shape type="rectangle"><bsdf type="circular"/></shape>
+//! ```
+//!
+//! The same from both sides; counts as a bounce.
+
+use glam::{Mat4, Vec3A};
+use mueller16::element;
+
+use super::null::straight;
+use super::{Departure, Matter, Polarizes};
+use crate::coherence::Coherence;
+use crate::geometry::frame::Frame;
+use crate::light::Light;
+use crate::scene::{Object, SceneError};
+use crate::spectrum::{Spectrum, SpectrumUse};
+
+/// A circular polarizer.
+#[derive(Clone, Debug)]
+pub struct Circular {
+    matrix: Mat4,
+    transmittance: Spectrum,
+}
+
+impl Circular {
+    /// Reads its parameters.
+    pub fn read(object: &Object) -> Result<Self, SceneError> {
+        let ideal = element::circular_polarizer(object.boolean("left_handed", false)?);
+        let column = |j| glam::Vec4::from_array(std::array::from_fn(|i| ideal.element(i, j) as f32));
+        Ok(Self {
+            matrix: Mat4::from_cols(column(0), column(1), column(2), column(3)),
+            transmittance: object.spectrum("transmittance", SpectrumUse::Reflectance, Spectrum::constant(1.0))?,
+        })
+    }
+}
+
+impl Matter for Circular {
+    #[inline]
+    fn sample(&self, o: Vec3A, _: &[f32], _: [f32; 3]) -> Option<Departure> {
+        straight(o)
+    }
+
+    #[inline]
+    fn respond<L: Light>(&self, o: Vec3A, _: Vec3A, wavelengths: &[f32], _: &Coherence) -> (L::Response, f32) {
+        // the matrix does not depend on the frame
+        let axis = Frame::around(o).s;
+        (L::general(axis, axis, |lane| self.matrix * self.transmittance.value(wavelengths[lane])), 0.0)
+    }
+
+    fn is_discrete(&self) -> bool {
+        true
+    }
+
+    fn polarizes(&self) -> Polarizes {
+        Polarizes::Elliptical
+    }
+}

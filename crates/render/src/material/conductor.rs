@@ -1,0 +1,98 @@
+//! `conductor`: a smooth metal mirror.
+//!
+//! | parameter              | type     | meaning                                                    | default |
+//! |------------------------|----------|------------------------------------------------------------|---------|
+//! | `material`             | string   | a named metal (`Au`, `Ag`, `Cu`, …) instead of `eta`, `k`   | –       |
+//! | `eta`, `k`             | spectrum | index of refraction η − i k against the medium outside      | 0, 1    |
+//! | `specular_reflectance` | spectrum | factor on the reflected power (not physical)               | 1       |
+//!
+//! ```xml
+//! <bsdf type="conductor"><string name="material" value="Ag"/></bsdf>
+//! ```
+//!
+//! The default (η = 0, k = 1) reflects all power but is a retarder away from normal incidence; `material="none"` is
+//! the same. One-sided.
+
+use glam::Vec3A;
+use mueller16::ConductorInterface;
+
+use super::{Departure, Matter, Polarizes, axis_s, mirror, unknown_name};
+use crate::coherence::Coherence;
+use crate::ior;
+use crate::light::{Element, Light};
+use crate::scene::{Object, SceneError};
+use crate::spectrum::{Spectrum, SpectrumUse};
+
+/// Complex index and reflectance factor of a metal, by wavelength.
+#[derive(Clone, Debug)]
+pub struct Metal {
+    eta: Spectrum,
+    k: Spectrum,
+    reflectance: Spectrum,
+}
+
+impl Metal {
+    /// Reads `material` or `eta` and `k`, and `specular_reflectance`.
+    pub fn read(object: &Object) -> Result<Self, SceneError> {
+        let (eta, k) = match object.optional_string("material")? {
+            Some(_) if object.has("eta") || object.has("k") => {
+                return Err(object.error_at("material", "both 'material' and 'eta', 'k' are given, expected one of them"));
+            }
+            Some(name) => ior::named_conductor(&name).ok_or_else(|| {
+                unknown_name(object, "material", &name, ior::conductor_names())
+            })?,
+            None => (
+                object.spectrum("eta", SpectrumUse::Unbounded, Spectrum::constant(0.0))?,
+                object.spectrum("k", SpectrumUse::Unbounded, Spectrum::constant(1.0))?,
+            ),
+        };
+        let reflectance = object.spectrum("specular_reflectance", SpectrumUse::Reflectance, Spectrum::constant(1.0))?;
+        Ok(Self { eta, k, reflectance })
+    }
+
+    /// Reflection at an angle of incidence, at one wavelength; first axis perpendicular to the plane of incidence.
+    #[inline]
+    pub fn reflection(&self, cos_i: f32, wavelength: f32) -> Element {
+        let (eta, k) = (self.eta.value(wavelength), self.k.value(wavelength));
+        // a table's index is zero outside its wavelengths: black
+        ConductorInterface::new(1.0, f64::from(eta), f64::from(k)).map_or(Element::BLACK, |interface| {
+            Element::from(interface.reflection(f64::from(cos_i))).scaled(self.reflectance.value(wavelength))
+        })
+    }
+}
+
+/// A smooth metal surface.
+#[derive(Clone, Debug)]
+pub struct Conductor {
+    metal: Metal,
+}
+
+impl Conductor {
+    /// Reads its parameters.
+    pub fn read(object: &Object) -> Result<Self, SceneError> {
+        Ok(Self { metal: Metal::read(object)? })
+    }
+}
+
+impl Matter for Conductor {
+    #[inline]
+    fn sample(&self, o: Vec3A, _: &[f32], _: [f32; 3]) -> Option<Departure> {
+        (o.z > 0.0).then(|| Departure { direction: mirror(o, Vec3A::Z), density: 1.0, discrete: true, eta: 1.0 })
+    }
+
+    #[inline]
+    fn respond<L: Light>(&self, _: Vec3A, i: Vec3A, wavelengths: &[f32], _: &Coherence) -> (L::Response, f32) {
+        let response = L::diattenuating_retarder(axis_s(Vec3A::Z, i), |lane| {
+            self.metal.reflection(i.z, wavelengths[lane])
+        });
+        (response, 0.0)
+    }
+
+    fn is_discrete(&self) -> bool {
+        true
+    }
+
+    fn polarizes(&self) -> Polarizes {
+        Polarizes::Elliptical
+    }
+}

@@ -1,0 +1,128 @@
+//! `dielectric`: a smooth interface between two transparent media, with refraction.
+//!
+//! | parameter                | type            | meaning                                         | default |
+//! |--------------------------|-----------------|-------------------------------------------------|---------|
+//! | `int_ior`                | float or string | index on the side opposite to the normal        | `bk7`   |
+//! | `ext_ior`                | float or string | index on the side of the normal                 | `air`   |
+//! | `specular_reflectance`   | spectrum        | factor on the reflected power (not physical)    | 1       |
+//! | `specular_transmittance` | spectrum        | factor on the transmitted power (not physical)  | 1       |
+//!
+//! ```xml
+//! <bsdf type="dielectric"><string name="int_ior" value="water"/></bsdf>
+//! ```
+//!
+//! Both sides. Total internal reflection retards. Radiance that enters a denser medium grows by the squared ratio of
+//! the indices.
+
+use glam::Vec3A;
+use mueller16::DielectricInterface;
+
+use super::{Departure, Matter, Polarizes, axis_s, mirror, unknown_name};
+use crate::coherence::Coherence;
+use crate::ior;
+use crate::light::{Element, Light};
+use crate::scene::{Object, SceneError};
+use crate::spectrum::{Spectrum, SpectrumUse};
+
+/// A smooth dielectric surface.
+#[derive(Clone, Debug)]
+pub struct Dielectric {
+    /// Light that comes from the side of the normal.
+    outside: DielectricInterface,
+    /// Light that comes from the other side.
+    inside: DielectricInterface,
+    /// Index inside over index outside.
+    eta: f32,
+    reflectance: Spectrum,
+    transmittance: Spectrum,
+}
+
+/// Reads an index of refraction: a number, or the name of a medium.
+pub fn read_index(object: &Object, parameter: &str, default: &str) -> Result<f64, SceneError> {
+    let index = if object.is_string(parameter) || !object.has(parameter) {
+        let name = object.string(parameter, default)?;
+        ior::named_dielectric(&name)
+            .ok_or_else(|| unknown_name(object, parameter, &name, ior::dielectric_names()))?
+    } else {
+        object.required_float(parameter)?
+    };
+    if index > 0.0 && index.is_finite() {
+        Ok(index)
+    } else {
+        Err(object.error_at(parameter, format!("an index of refraction of {index}, expected a positive number")))
+    }
+}
+
+impl Dielectric {
+    /// Reads its parameters.
+    pub fn read(object: &Object) -> Result<Self, SceneError> {
+        let inside = read_index(object, "int_ior", "bk7")?;
+        let outside = read_index(object, "ext_ior", "air")?;
+        let factor = |name| object.spectrum(name, SpectrumUse::Reflectance, Spectrum::constant(1.0));
+        let interface = |a, b| {
+            DielectricInterface::new(a, b).map_err(|e| object.error(e))
+        };
+        Ok(Self {
+            outside: interface(outside, inside)?,
+            inside: interface(inside, outside)?,
+            eta: (inside / outside) as f32,
+            reflectance: factor("specular_reflectance")?,
+            transmittance: factor("specular_transmittance")?,
+        })
+    }
+
+    /// The interface for light on the side of `direction`.
+    #[inline]
+    fn side(&self, direction: Vec3A) -> &DielectricInterface {
+        if direction.z > 0.0 { &self.outside } else { &self.inside }
+    }
+}
+
+impl Matter for Dielectric {
+    #[inline]
+    fn sample(&self, o: Vec3A, _: &[f32], u: [f32; 3]) -> Option<Departure> {
+        if o.z == 0.0 {
+            return None;
+        }
+        let cos_o = f64::from(o.z.abs());
+        let interface = self.side(o);
+        let reflected = interface.reflection(cos_o).mean as f32;
+        if u[0] < reflected {
+            return Some(Departure { direction: mirror(o, Vec3A::Z), density: reflected, discrete: true, eta: 1.0 });
+        }
+        let cos_i = interface.transmission(cos_o)?.cos_t as f32;
+        let eta = if o.z > 0.0 { self.eta } else { self.eta.recip() };
+        // Snell's law across, the cosine along: normalised once more in single precision
+        let i = Vec3A::new(-o.x / eta, -o.y / eta, -cos_i.copysign(o.z)).normalize();
+        Some(Departure { direction: i, density: 1.0 - reflected, discrete: true, eta })
+    }
+
+    #[inline]
+    fn respond<L: Light>(&self, o: Vec3A, i: Vec3A, wavelengths: &[f32], _: &Coherence) -> (L::Response, f32) {
+        let axis = axis_s(Vec3A::Z, i);
+        let interface = self.side(i);
+        let cos_i = f64::from(i.z.abs());
+        let response = if o.z * i.z > 0.0 {
+            let element = Element::from(interface.reflection(cos_i));
+            L::diattenuating_retarder(axis, |lane| element.scaled(self.reflectance.value(wavelengths[lane])))
+        } else {
+            // the light comes from the side of `i`: radiance counts by the squared index of its medium
+            let eta = if o.z > 0.0 { self.eta } else { self.eta.recip() };
+            let element = interface
+                .transmission(cos_i)
+                .map_or(Element::BLACK, |t| {
+                    Element::from(t.element).scaled((eta * eta).recip())
+                });
+            L::diattenuating_retarder(axis, |lane| element.scaled(self.transmittance.value(wavelengths[lane])))
+        };
+        (response, 0.0)
+    }
+
+    fn is_discrete(&self) -> bool {
+        true
+    }
+
+    fn polarizes(&self) -> Polarizes {
+        Polarizes::Elliptical
+    }
+}

@@ -1,0 +1,184 @@
+//! Matter on surfaces: one file a plugin, each with its manual page on top; here the enum and what all of them answer.
+//!
+//! Directions are local (z along the shading normal, x along axis U), unit, and point away from the surface:
+//! `o` toward the camera, `i` toward the light. Light propagates along `−i` before and `o` after the surface.
+
+pub mod circular;
+pub mod conductor;
+pub mod dielectric;
+pub mod diffuse;
+pub mod microfacet;
+pub mod null;
+pub mod polarizer;
+pub mod pplastic;
+pub mod retarder;
+pub mod roughconductor;
+pub mod twosided;
+
+use glam::Vec3A;
+
+use crate::coherence::Coherence;
+use crate::geometry::frame::Frame;
+use crate::light::Light;
+use crate::scene::{Object, SceneError, nearest};
+
+/// A direction toward the light that has been drawn at a vertex, not yet evaluated.
+#[derive(Clone, Copy, Debug)]
+pub struct Departure {
+    /// Direction toward the light, local.
+    pub direction: Vec3A,
+    /// Density per steradian, or the probability if the direction is discrete.
+    pub density: f32,
+    /// Whether the direction is one of a few (mirror, refraction, straight through).
+    pub discrete: bool,
+    /// Index of refraction on the light's side over that on the camera's side.
+    pub eta: f32,
+}
+
+/// What matter does to the state of polarization: for `inspect`, and for what a scene needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Polarizes {
+    /// Only M00: forgets the polarization that arrives, adds none.
+    Depolarizes,
+    /// Unpolarized light stays unpolarized (S0 only), polarized light keeps its state or changes it.
+    Keeps,
+    /// Makes linear polarization out of unpolarized light.
+    Linear,
+    /// Makes linear polarization, and circular out of linear.
+    Elliptical,
+}
+
+/// Any matter that a scene may hold.
+#[derive(Clone, Debug)]
+pub enum Material {
+    /// Lambert.
+    Diffuse(diffuse::Diffuse),
+    /// Smooth metal.
+    Conductor(conductor::Conductor),
+    /// Rough metal.
+    RoughConductor(roughconductor::RoughConductor),
+    /// Smooth glass.
+    Dielectric(dielectric::Dielectric),
+    /// Polarizing plastic.
+    Pplastic(pplastic::Pplastic),
+    /// Linear polarizer.
+    Polarizer(polarizer::Polarizer),
+    /// Linear retarder.
+    Retarder(retarder::Retarder),
+    /// Circular polarizer.
+    Circular(circular::Circular),
+    /// Nothing.
+    Null(null::Null),
+    /// Matter with two sides.
+    TwoSided(twosided::TwoSided),
+}
+
+/// One match for all questions.
+macro_rules! ask {
+    ($material:expr, $m:ident => $answer:expr) => {
+        match $material {
+            Material::Diffuse($m) => $answer,
+            Material::Conductor($m) => $answer,
+            Material::RoughConductor($m) => $answer,
+            Material::Dielectric($m) => $answer,
+            Material::Pplastic($m) => $answer,
+            Material::Polarizer($m) => $answer,
+            Material::Retarder($m) => $answer,
+            Material::Circular($m) => $answer,
+            Material::Null($m) => $answer,
+            Material::TwoSided($m) => $answer,
+        }
+    };
+}
+
+/// What each kind of matter answers.
+pub trait Matter {
+    /// Draws a direction toward the light for light that leaves along `o`, from three uniform numbers.
+    fn sample(&self, o: Vec3A, wavelengths: &[f32], u: [f32; 3]) -> Option<Departure>;
+
+    /// The Mueller matrix from `−i` to `o`, with the density of [`Matter::sample`] (0 for discrete directions).
+    ///
+    /// For continuous directions BRDF × |cos i|, per steradian; for a discrete direction that `sample` has drawn the
+    /// plain matrix. Frames are local. `coherence` is that of the incident light.
+    fn respond<L: Light>(
+        &self,
+        o: Vec3A,
+        i: Vec3A,
+        wavelengths: &[f32],
+        coherence: &Coherence,
+    ) -> (L::Response, f32);
+
+    /// Whether all directions are discrete: emitters cannot be connected to.
+    fn is_discrete(&self) -> bool;
+
+    /// What it does to polarization.
+    fn polarizes(&self) -> Polarizes;
+}
+
+impl Material {
+    /// Whether light meets it from both sides by itself.
+    pub fn is_two_sided(&self) -> bool {
+        !matches!(self, Self::Diffuse(_) | Self::Conductor(_) | Self::RoughConductor(_) | Self::Pplastic(_))
+    }
+}
+
+impl Matter for Material {
+    #[inline]
+    fn sample(&self, o: Vec3A, wavelengths: &[f32], u: [f32; 3]) -> Option<Departure> {
+        ask!(self, m => m.sample(o, wavelengths, u))
+    }
+
+    #[inline]
+    fn respond<L: Light>(
+        &self,
+        o: Vec3A,
+        i: Vec3A,
+        wavelengths: &[f32],
+        coherence: &Coherence,
+    ) -> (L::Response, f32) {
+        ask!(self, m => m.respond::<L>(o, i, wavelengths, coherence))
+    }
+
+    #[inline]
+    fn is_discrete(&self) -> bool {
+        ask!(self, m => m.is_discrete())
+    }
+
+    fn polarizes(&self) -> Polarizes {
+        ask!(self, m => m.polarizes())
+    }
+}
+
+/// The axis perpendicular to the plane of incidence, first axis of the Stokes frames of an interface.
+///
+/// `normal` and `i` are unit. Next to normal incidence the plane is lost in rounding, and with it the difference
+/// between s and p: any axis across `i` serves.
+#[inline]
+pub fn axis_s(normal: Vec3A, i: Vec3A) -> Vec3A {
+    let across = normal.cross(i);
+    let squared = across.length_squared();
+    if squared > 1e-8 { across / squared.sqrt() } else { Frame::around(i).s }
+}
+
+/// The direction mirrored at a normal.
+#[inline]
+pub fn mirror(o: Vec3A, normal: Vec3A) -> Vec3A {
+    normal * (2.0 * o.dot(normal)) - o
+}
+
+/// The error for a medium that no table knows.
+fn unknown_name(
+    object: &Object,
+    parameter: &str,
+    name: &str,
+    known: impl Iterator<Item = &'static str>,
+) -> SceneError {
+    let known: Vec<&str> = known.collect();
+    object.error_at(
+        parameter,
+        match nearest(name, known.iter().copied()) {
+            Some(near) => format!("unknown material '{name}', did you mean '{near}'?"),
+            None => format!("unknown material '{name}', expected one of: {}", known.join(", ")),
+        },
+    )
+}

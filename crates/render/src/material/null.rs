@@ -1,0 +1,45 @@
+//! `null`: nothing; light passes as if the surface were not there. It still counts as a bounce.
+//!
+//! No parameters.
+//!
+//! ```xml
+//! <bsdf type="null"/>
+//! ```
+
+use glam::Vec3A;
+
+use super::{Departure, Matter, Polarizes};
+use crate::coherence::Coherence;
+use crate::geometry::frame::Frame;
+use crate::light::{Element, Light};
+
+/// An invisible surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Null;
+
+/// Straight through.
+#[inline]
+pub fn straight(o: Vec3A) -> Option<Departure> {
+    Some(Departure { direction: -o, density: 1.0, discrete: true, eta: 1.0 })
+}
+
+impl Matter for Null {
+    #[inline]
+    fn sample(&self, o: Vec3A, _: &[f32], _: [f32; 3]) -> Option<Departure> {
+        straight(o)
+    }
+
+    #[inline]
+    fn respond<L: Light>(&self, o: Vec3A, _: Vec3A, _: &[f32], _: &Coherence) -> (L::Response, f32) {
+        let nothing = Element { mean: 1.0, difference: 0.0, cosine: 1.0, sine: 0.0 };
+        (L::diattenuating_retarder(Frame::around(o).s, |_| nothing), 0.0)
+    }
+
+    fn is_discrete(&self) -> bool {
+        true
+    }
+
+    fn polarizes(&self) -> Polarizes {
+        Polarizes::Keeps
+    }
+}

@@ -1,0 +1,78 @@
+//! `polarizer`: a thin ideal linear polarizer.
+//!
+//! | parameter       | type     | meaning                                                                | default |
+//! |-----------------|----------|------------------------------------------------------------------------|---------|
+//! | `theta`         | float    | degrees; transmits along (cos θ, −sin θ) in (U, V): clockwise from the front | 0 |
+//! | `transmittance` | spectrum | factor on what passes                                                  | 1       |
+//! | `polarizing`    | boolean  | `false`: a neutral filter of half the transmittance                    | true    |
+//!
+//! ```xml
+//! <shape type="rectangle"><bsdf type="polarizer"><float name="theta" value="30"/></bsdf></shape>
+//! ```
+//!
+//! Both sides; counts as a bounce. Tilted, its absorbing axis is projected across the ray; nothing else is lost.
+//!
+//! Source: Korger et al., The polarization properties of a tilted polarizer, Opt. Express 21(22), 2013.
+
+use glam::{DVec3, Vec3A};
+use mueller16::element;
+
+use super::null::straight;
+use super::{Departure, Matter, Polarizes};
+use crate::coherence::Coherence;
+use crate::geometry::frame::Frame;
+use crate::light::{Element, Light};
+use crate::scene::{Object, SceneError};
+use crate::spectrum::{Spectrum, SpectrumUse};
+
+/// A linear polarizer.
+#[derive(Clone, Debug)]
+pub struct Polarizer {
+    theta: f64,
+    transmittance: Spectrum,
+    polarizing: bool,
+}
+
+impl Polarizer {
+    /// Reads its parameters.
+    pub fn read(object: &Object) -> Result<Self, SceneError> {
+        Ok(Self {
+            theta: object.float("theta", 0.0)?.to_radians(),
+            transmittance: object.spectrum("transmittance", SpectrumUse::Reflectance, Spectrum::constant(1.0))?,
+            polarizing: object.boolean("polarizing", true)?,
+        })
+    }
+}
+
+/// A local axis that the theorem crates give for a ray along `k`, back in single precision.
+#[inline]
+pub(super) fn axis_for(k: Vec3A, axis: impl Fn([f64; 3]) -> [f64; 3]) -> Vec3A {
+    DVec3::from(axis(k.as_dvec3().to_array())).as_vec3a()
+}
+
+impl Matter for Polarizer {
+    #[inline]
+    fn sample(&self, o: Vec3A, _: &[f32], _: [f32; 3]) -> Option<Departure> {
+        straight(o)
+    }
+
+    #[inline]
+    fn respond<L: Light>(&self, o: Vec3A, _: Vec3A, wavelengths: &[f32], _: &Coherence) -> (L::Response, f32) {
+        let transmittance = |lane: usize| self.transmittance.value(wavelengths[lane]);
+        let (axis, ideal) = if self.polarizing {
+            let axis = axis_for(o, |k| element::polarizer_transmitted_axis(self.theta, k));
+            (axis, Element::from(element::linear_polarizer()))
+        } else {
+            (Frame::around(o).s, Element { mean: 0.5, difference: 0.0, cosine: 0.5, sine: 0.0 })
+        };
+        (L::diattenuating_retarder(axis, |lane| ideal.scaled(transmittance(lane))), 0.0)
+    }
+
+    fn is_discrete(&self) -> bool {
+        true
+    }
+
+    fn polarizes(&self) -> Polarizes {
+        if self.polarizing { Polarizes::Linear } else { Polarizes::Keeps }
+    }
+}

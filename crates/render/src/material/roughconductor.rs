@@ -1,0 +1,85 @@
+//! `roughconductor`: a metal with a rough surface of mirror facets.
+//!
+//! | parameter              | type     | meaning                                                    | default    |
+//! |------------------------|----------|------------------------------------------------------------|------------|
+//! | `distribution`         | string   | `beckmann` or `ggx`                                        | `beckmann` |
+//! | `alpha`                | float    | roughness, or `alpha_u`, `alpha_v` along and across axis U | 0.1        |
+//! | `sample_visible`       | boolean  | draw only facets that the viewer sees                      | true       |
+//! | `material`             | string   | a named metal instead of `eta`, `k`                        | –          |
+//! | `eta`, `k`             | spectrum | index of refraction η − i k                                | 0, 1       |
+//! | `specular_reflectance` | spectrum | factor on the reflected power (not physical)               | 1          |
+//!
+//! ```xml
+//! <bsdf type="roughconductor">
+//!     <string name="material" value="Au"/><float name="alpha" value="0.2"/><string name="distribution" value="ggx"/>
+//! </bsdf>
+//! ```
+//!
+//! BRDF `F D G1(i) G1(o)/(4 cos i cos o)` with the Mueller matrix F of the facet that mirrors `i` into `o`. Single
+//! scattering: light that would meet a second facet is lost. One-sided.
+//!
+//! Source: Walter et al., EGSR 2007, Eq. 20.
+
+use glam::Vec3A;
+
+use super::conductor::Metal;
+use super::microfacet::Microfacets;
+use super::{Departure, Matter, Polarizes, axis_s, mirror};
+use crate::coherence::Coherence;
+use crate::light::Light;
+use crate::scene::{Object, SceneError};
+
+/// A rough metal surface.
+#[derive(Clone, Debug)]
+pub struct RoughConductor {
+    metal: Metal,
+    facets: Microfacets,
+}
+
+impl RoughConductor {
+    /// Reads its parameters.
+    pub fn read(object: &Object) -> Result<Self, SceneError> {
+        Ok(Self { metal: Metal::read(object)?, facets: Microfacets::read(object)? })
+    }
+}
+
+impl Matter for RoughConductor {
+    #[inline]
+    fn sample(&self, o: Vec3A, _: &[f32], u: [f32; 3]) -> Option<Departure> {
+        if o.z <= 0.0 {
+            return None;
+        }
+        let m = self.facets.sample(o, [u[1], u[2]]);
+        let i = mirror(o, m);
+        let density = self.facets.sampling_density(o, m) / (4.0 * o.dot(m));
+        (i.z > 0.0 && density > 0.0 && density.is_finite()).then_some(Departure {
+            direction: i,
+            density,
+            discrete: false,
+            eta: 1.0,
+        })
+    }
+
+    #[inline]
+    fn respond<L: Light>(&self, o: Vec3A, i: Vec3A, wavelengths: &[f32], _: &Coherence) -> (L::Response, f32) {
+        if o.z <= 0.0 || i.z <= 0.0 {
+            return (L::depolarizing(|_| 0.0), 0.0);
+        }
+        let h = (o + i).normalize();
+        let cos = i.dot(h).min(1.0);
+        let weight = self.facets.density(h) * self.facets.shadowing(i, h) * self.facets.shadowing(o, h) / (4.0 * o.z);
+        let density = self.facets.sampling_density(o, h) / (4.0 * cos);
+        let response = L::diattenuating_retarder(axis_s(h, i), |lane| {
+            self.metal.reflection(cos, wavelengths[lane]).scaled(weight)
+        });
+        (response, density)
+    }
+
+    fn is_discrete(&self) -> bool {
+        false
+    }
+
+    fn polarizes(&self) -> Polarizes {
+        Polarizes::Elliptical
+    }
+}

@@ -1,0 +1,3 @@
+//! Sensors: what a camera sample sees.
+
+pub mod perspective;

@@ -1,0 +1,103 @@
+//! `perspective`: a pinhole camera that looks along its local +z, up along local +y.
+//!
+//! | parameter      | type      | meaning                                                                | default |
+//! |----------------|-----------|------------------------------------------------------------------------|---------|
+//! | `fov`          | float     | field of view in degrees                                               | –       |
+//! | `fov_axis`     | string    | what `fov` spans: `x`, `y`, `diagonal`, `smaller`, `larger`            | `x`     |
+//! | `focal_length` | string    | instead of `fov`: `50mm` on 36 × 24 mm film, by its diagonal           | `50mm`  |
+//! | `to_world`     | transform | place and orientation                                                  | –       |
+//!
+//! `near_clip` and `far_clip` are accepted and have no effect. Nested: `film`, `sampler`.
+//!
+//! The Stokes vector of a pixel is given in the frame of the sample's own ray: with d the viewing direction and up the
+//! camera's local +y, `e_x = normalize(d × up)` (image right) and, light travelling along −d, `e_y` image up. The frame
+//! turns with the camera and differs slightly from pixel to pixel.
+
+use glam::{DVec3, Vec3A};
+
+use crate::geometry::ray::Ray;
+use crate::scene::{Object, SceneError};
+
+/// A pinhole camera.
+#[derive(Clone, Debug)]
+pub struct Perspective {
+    origin: Vec3A,
+    right: Vec3A,
+    up: Vec3A,
+    forward: Vec3A,
+    /// Half the film's width and height at unit distance.
+    half: [f32; 2],
+    /// Film size, pixels.
+    size: [f32; 2],
+}
+
+/// tan of half the horizontal field of view.
+fn half_width(object: &Object, aspect: f64) -> Result<f64, SceneError> {
+    // the diagonal of the film over its width
+    let diagonal = (1.0 + aspect.powi(-2)).sqrt();
+    let axes = ["x", "y", "diagonal", "smaller", "larger"];
+    let axis = object.choice("fov_axis", "x", &axes)?;
+    if let Some(fov) = object.optional_float("fov")? {
+        if object.has("focal_length") {
+            return Err(object.error_at("focal_length", "both 'fov' and 'focal_length' are given, expected one of them"));
+        }
+        if !(fov > 0.0 && fov < 180.0) {
+            return Err(object.error_at("fov", format!("an angle of {fov}°, expected one between 0 and 180")));
+        }
+        let half = (0.5 * fov.to_radians()).tan();
+        let by_width = match axis.as_str() {
+            "y" => false,
+            "smaller" => aspect <= 1.0,
+            "larger" => aspect > 1.0,
+            "diagonal" => return Ok(half / diagonal),
+            _ => true,
+        };
+        return Ok(if by_width { half } else { half * aspect });
+    }
+    let text = object.string("focal_length", "50mm")?;
+    let millimetres: f64 = text
+        .strip_suffix("mm")
+        .and_then(|number| number.trim().parse().ok())
+        .filter(|f: &f64| *f > 0.0 && f.is_finite())
+        .ok_or_else(|| object.error_at("focal_length", format!("'{text}', expected a positive length such as '50mm'")))?;
+    let film_diagonal = 36f64.hypot(24.0);
+    Ok(0.5 * film_diagonal / millimetres / diagonal)
+}
+
+impl Perspective {
+    /// Reads its parameters; `size` is the film's, in pixels.
+    pub fn read(object: &Object, size: [u32; 2]) -> Result<Self, SceneError> {
+        let aspect = f64::from(size[0]) / f64::from(size[1]);
+        let width = half_width(object, aspect)?;
+        let to_world = object.transform("to_world")?;
+        let [right, up, forward] = [DVec3::NEG_X, DVec3::Y, DVec3::Z].map(|axis| to_world.transform_vector3(axis));
+        let lengths = [right, up, forward].map(DVec3::length);
+        let skew = [right.dot(up), up.dot(forward), forward.dot(right)];
+        let unit = lengths[2];
+        if lengths.iter().any(|l| (l / unit - 1.0).abs() > 1e-5) || skew.iter().any(|s| s.abs() > 1e-5 * unit * unit) {
+            return Err(object.error_at(
+                "to_world",
+                "a camera that is stretched or skewed, expected a transform that only moves, turns and mirrors",
+            ));
+        }
+        object.without_effect(&["near_clip", "far_clip", "shutter_open", "shutter_close"]);
+        Ok(Self {
+            origin: to_world.transform_point3(DVec3::ZERO).as_vec3a(),
+            right: (right / unit).as_vec3a(),
+            up: (up / unit).as_vec3a(),
+            forward: (forward / unit).as_vec3a(),
+            half: [width as f32, (width / aspect) as f32],
+            size: size.map(|n| n as f32),
+        })
+    }
+
+    /// The ray through a film position in pixels (0, 0 is the top left corner), and the first axis of its Stokes frame.
+    #[inline]
+    pub fn ray(&self, x: f32, y: f32) -> (Ray, Vec3A) {
+        let right = (2.0 * x / self.size[0] - 1.0) * self.half[0];
+        let up = (1.0 - 2.0 * y / self.size[1]) * self.half[1];
+        let direction = (self.forward + self.right * right + self.up * up).normalize();
+        let axis = direction.cross(self.up).normalize();
+        (Ray { origin: self.origin, direction, t_max: f32::INFINITY }, axis)
+    }
+}

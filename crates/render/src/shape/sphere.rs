@@ -1,0 +1,132 @@
+//! `sphere`: centre and radius, normal outward, axis U along increasing azimuth about the local z axis.
+//!
+//! Intersected in double precision: a sphere seen from a thousand radii stays round.
+
+use std::f32::consts::{PI, TAU};
+
+use glam::{DMat4, DVec3, Vec3A};
+
+use super::{AreaSample, Columns, Surface, by_area, solid_angle_density};
+use crate::geometry::bvh::Bounds;
+use crate::geometry::frame::Frame;
+use crate::geometry::ray::{Ray, gamma};
+
+/// A sphere in world space.
+#[derive(Clone, Debug)]
+pub struct Sphere {
+    centre: Vec3A,
+    centre_f64: DVec3,
+    radius: f32,
+    pole: Vec3A,
+    /// +1: the front is outside.
+    side: f32,
+    /// −1 for a transform that mirrors: azimuth runs the other way round.
+    sense: f32,
+    error: Vec3A,
+}
+
+impl Sphere {
+    /// From centre and radius in local space and the local-to-world transform, which may move, turn, mirror and scale
+    /// uniformly; `None` if it does anything else.
+    pub fn new(centre: DVec3, radius: f64, to_world: &DMat4, flip_normals: bool) -> Option<Self> {
+        let c = Columns::of(to_world);
+        let scale = c.uniform_scale()?;
+        let centre = to_world.transform_point3(centre).as_vec3a();
+        let radius = (radius * scale) as f32;
+        Some(Self {
+            centre,
+            centre_f64: centre.as_dvec3(),
+            radius,
+            pole: c.z.normalize().as_vec3a(),
+            side: if flip_normals { -1.0 } else { 1.0 },
+            sense: c.x.cross(c.y).dot(c.z).signum() as f32,
+            error: (centre.abs() + Vec3A::splat(radius)) * gamma(6),
+        })
+    }
+
+    pub(super) fn bounds(&self) -> Bounds {
+        let reach = Vec3A::splat(self.radius);
+        Bounds { min: self.centre - reach, max: self.centre + reach }.grown(self.error)
+    }
+
+    #[inline]
+    pub(super) fn intersect(&self, ray: &Ray, t_max: f32) -> Option<(f32, f32, f32)> {
+        let d = ray.direction.as_dvec3();
+        let to_centre = self.centre_f64 - ray.origin.as_dvec3();
+        let a = d.length_squared();
+        let along = to_centre.dot(d) / a;
+        // distance of the ray from the centre, without the cancellation of b² − 4ac
+        let across = to_centre - d * along;
+        let radius = f64::from(self.radius);
+        let half = (radius * radius - across.length_squared()) / a;
+        if half < 0.0 {
+            return None;
+        }
+        let half = half.sqrt();
+        let (near, far) = ((along - half) as f32, (along + half) as f32);
+        let t = if near > 0.0 { near } else { far };
+        (t > 0.0 && t < t_max).then_some((t, 0.0, 0.0))
+    }
+
+    #[inline]
+    pub(super) fn surface(&self, ray: &Ray, t: f32) -> Surface {
+        let outward = (ray.origin - self.centre + ray.direction * t).normalize();
+        let normal = outward * self.side;
+        Surface {
+            position: self.centre + outward * self.radius,
+            error: self.error,
+            normal,
+            frame: Frame::with_tangent(normal, self.pole.cross(outward) * self.sense),
+        }
+    }
+
+    fn area(&self) -> f32 {
+        4.0 * PI * self.radius * self.radius
+    }
+
+    /// sin² of the half angle under which the sphere is seen, if the reference point is outside.
+    fn half_angle_sin2(&self, reference: Vec3A) -> Option<f32> {
+        let distance2 = (self.centre - reference).length_squared();
+        let sin2 = self.radius * self.radius / distance2;
+        (sin2 < 1.0 - 1e-4).then_some(sin2)
+    }
+
+    /// 1 − cos of the half angle, without cancellation.
+    fn one_minus_cos(sin2: f32) -> f32 {
+        sin2 / (1.0 + (1.0 - sin2).sqrt())
+    }
+
+    /// Uniform over the cone under which the sphere is seen; by area from inside or very near.
+    pub(super) fn sample(&self, reference: Vec3A, u: [f32; 2]) -> Option<AreaSample> {
+        let Some(sin2_max) = self.half_angle_sin2(reference) else {
+            let z = 1.0 - 2.0 * u[0];
+            let (sin, cos) = (TAU * u[1]).sin_cos();
+            let outward = Vec3A::new(cos, sin, 0.0) * (1.0 - z * z).max(0.0).sqrt() + Vec3A::Z * z;
+            let point = (self.centre + outward * self.radius, self.error, outward * self.side);
+            return by_area(point, self.area(), reference);
+        };
+        let cap = Self::one_minus_cos(sin2_max);
+        // angle at the reference point, then at the centre: Pharr et al., PBR 4th ed., section 6.2.4
+        let rise = cap * u[0];
+        let sin2 = rise * (2.0 - rise);
+        let cos = 1.0 - rise;
+        let cos_alpha = sin2 / sin2_max.sqrt() + cos * (1.0 - sin2 / sin2_max).max(0.0).sqrt();
+        let sin_alpha = (1.0 - cos_alpha * cos_alpha).max(0.0).sqrt();
+        let axis = Frame::around((reference - self.centre).normalize());
+        let (sin_phi, cos_phi) = (TAU * u[1]).sin_cos();
+        let outward = axis.to_world(Vec3A::new(sin_alpha * cos_phi, sin_alpha * sin_phi, cos_alpha));
+        Some(AreaSample {
+            position: self.centre + outward * self.radius,
+            error: self.error,
+            normal: outward * self.side,
+            pdf: (TAU * cap).recip(),
+        })
+    }
+
+    pub(super) fn pdf(&self, reference: Vec3A, at: &Surface) -> f32 {
+        match self.half_angle_sin2(reference) {
+            Some(sin2) => (TAU * Self::one_minus_cos(sin2)).recip(),
+            None => solid_angle_density(self.area(), reference, at.position, at.normal),
+        }
+    }
+}
