@@ -2,3 +2,6 @@
 #![deny(unsafe_code)]
 
 pub mod cli;
+pub mod colour;
+pub mod ior;
+pub mod spectrum;
