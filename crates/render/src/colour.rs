@@ -124,21 +124,8 @@ pub fn d65(wavelength_nm: f64) -> f64 {
     a + on * (b - a)
 }
 
-/// Linear sRGB colour of a surface of this reflectance under D65, in units of the white surface's.
-///
-/// `reflectance` is asked at the 471 nanometres of the visible range, in order.
-pub(crate) fn colour_under_d65(reflectance: impl Fn(f64) -> f64) -> [f64; 3] {
-    let mut sum = [0.0; 3];
-    for (weights, row) in white_weights().iter().zip(0u32..) {
-        let value = reflectance(FIRST_NM + f64::from(row));
-        for c in 0..3 {
-            sum[c] += weights[c] * value;
-        }
-    }
-    sum
-}
-
-/// Quadrature weights of [`colour_under_d65`]: D65 times response, each component summing to 1.
+/// Quadrature weights, one row a nanometre, of the linear sRGB colour of a surface under D65: D65 times response, each
+/// component summing to 1.
 pub(crate) fn white_weights() -> &'static [[f64; 3]] {
     static WEIGHTS: LazyLock<Vec<[f64; 3]>> = LazyLock::new(|| {
         let weight = |i: usize, c: usize| TABLES.d65[i] * TABLES.rgb[i][c];

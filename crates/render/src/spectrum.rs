@@ -95,8 +95,8 @@ impl Spectrum {
 
     /// The reflectance whose linear sRGB colour under D65 is `rgb`, each component clamped to `0.0..=1.0`.
     ///
-    /// Greys are constant, exactly. Colours come back with an error below 1e-3 where the smallest component is
-    /// at least 0.01; the most saturated ones come as near as a smooth spectrum can.
+    /// Greys are constant, exactly. Colours come back with an error below 1e-3 where every component is in
+    /// `0.01..=0.95`; the corners of sRGB come within 0.02, as near as such a spectrum can.
     #[must_use]
     pub fn rgb_reflectance(rgb: [f64; 3]) -> Self {
         Self::from_colour(rgb.map(|c| c.clamp(0.0, 1.0)), 1.0, false)
@@ -299,11 +299,17 @@ fn response(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::colour::{colour_under_d65, rgb_weights};
+    use crate::colour::{rgb_weights, white_weights};
 
     fn error_of(rgb: [f64; 3]) -> f64 {
         let spectrum = Spectrum::rgb_reflectance(rgb);
-        let found = colour_under_d65(|nm| f64::from(spectrum.value(nm as f32)));
+        let found = white_weights()
+            .iter()
+            .enumerate()
+            .fold([0.0; 3], |sum, (row, weights)| {
+                let value = f64::from(spectrum.value(360.0 + row as f32));
+                [0, 1, 2].map(|c| sum[c] + weights[c] * value)
+            });
         (0..3)
             .map(|c| (found[c] - rgb[c]).abs())
             .fold(0.0, f64::max)
