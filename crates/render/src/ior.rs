@@ -59,7 +59,7 @@ const DIELECTRICS: &str = include_str!("../../../data/ior/dielectrics.csv");
 ///
 /// ```
 /// let (eta, k) = render::ior::named_conductor("Au").expect("gold is in the table");
-/// assert!((eta.value(633.0) - 0.18).abs() < 0.02 && (k.value(633.0) - 3.4).abs() < 0.1);
+/// assert!((eta.value(633.0) - 0.181).abs() < 1e-3 && (k.value(633.0) - 3.068).abs() < 1e-3);
 /// ```
 #[must_use]
 pub fn named_conductor(name: &str) -> Option<(Spectrum, Spectrum)> {
