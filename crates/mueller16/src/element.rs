@@ -63,12 +63,24 @@ pub fn polarizer_transmitted_axis(theta: f64, k: [f64; 3]) -> [f64; 3] {
 
 /// Unit vector, in the plate's coordinates, along which the field of a ray is fast in a thin retarder.
 ///
-/// The axis `(cos θ, sin θ, 0)` projected across `k`, of unit length. Light that travels along the axis gets the
-/// limit from nearby directions; its retardance is 0 there.
+/// The plate's axis U is projected across `k`; the fast axis makes the angle `theta` with it on the wavefront, turning
+/// from U toward V. `k` of unit length. Light that travels along U gets the limit from nearby directions.
+///
+/// An effective-axis model, the same as Mitsuba's where Mitsuba projects U rightly. A crystal's axis projected by
+/// itself would lie up to `(1 − cos)/2` of the tilt, in radians, from this one.
+///
+/// ```
+/// let axis = mueller16::element::retarder_fast_axis(0.0, [0.0, 0.6, 0.8]);
+/// assert_eq!(axis, [1.0, 0.0, 0.0]);
+/// ```
 #[must_use]
 pub fn retarder_fast_axis(theta: f64, k: [f64; 3]) -> [f64; 3] {
     let (sin, cos) = theta.sin_cos();
-    projected([cos, sin, 0.0], k)
+    let u = projected([1.0, 0.0, 0.0], k);
+    // the second axis on the wavefront is the one on the side of V, whichever way the light goes
+    let side = if k[2] < 0.0 { -1.0 } else { 1.0 };
+    let v = cross(k, u).map(|c| side * c);
+    [0, 1, 2].map(|i| cos * u[i] + sin * v[i])
 }
 
 /// Retardance of a thin retarder for a ray along `k` (unit length): `retardance · |cos|` of the angle of incidence.
@@ -162,6 +174,18 @@ mod tests {
         let by_theta = polarizer_transmitted_axis(theta, k);
         let by_turning = turn(polarizer_transmitted_axis(0.0, turn(k, sin)), -sin);
         assert!(same_axis(by_theta, by_turning));
+    }
+
+    #[test]
+    fn the_fast_axis_keeps_its_angle_to_the_projected_u_axis() {
+        // tilted about V by 60°: U shortens to its projection, θ is counted on the wavefront
+        let (theta, k) = (0.5f64, [0.75f64.sqrt(), 0.0, 0.5]);
+        let u = retarder_fast_axis(0.0, k);
+        assert!(same_axis(u, [0.5, 0.0, -(0.75f64.sqrt())]));
+        assert!((dot(retarder_fast_axis(theta, k), u) - theta.cos()).abs() < 1e-15);
+        // and turns toward V from both sides
+        assert!(retarder_fast_axis(theta, k)[1] > 0.0);
+        assert!(retarder_fast_axis(theta, k.map(|c| -c))[1] > 0.0);
     }
 
     #[test]

@@ -38,7 +38,6 @@ impl Bounds {
 /// What lies behind a child of a node.
 #[derive(Clone, Copy, Debug)]
 enum Child {
-    Nothing,
     Node(u32),
     Triangles(u32),
     Shape(u32),
@@ -228,7 +227,6 @@ impl Collapse<'_> {
                 self.bvh.depth = 1;
             }
             Child::Node(index) => debug_assert_eq!(index, 0, "the root is made first"),
-            Child::Nothing => {}
         }
     }
 
@@ -292,7 +290,6 @@ impl Collapse<'_> {
             node.bounds[axis][1][lane] = bounds.max[axis];
         }
         node.children[lane] = match child {
-            Child::Nothing => 0,
             Child::Node(i) => NODE | i,
             Child::Triangles(i) => TRIANGLES | i,
             Child::Shape(i) => SHAPE | i,

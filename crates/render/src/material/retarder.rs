@@ -10,8 +10,8 @@
 //! <shape type="rectangle"><bsdf type="retarder"><float name="delta" value="180"/></bsdf></shape>
 //! ```
 //!
-//! Both sides; counts as a bounce. Tilted, its fast axis is projected across the ray and the retardance falls with the
-//! cosine. (Mitsuba 3.9 does not project the axis: its plates are right at normal incidence and for tilts about U
+//! Both sides; counts as a bounce. Tilted, axis U is projected across the ray, θ counts from there, and the
+//! retardance falls with the cosine. (Mitsuba 3.9 does not project the axis: its plates are right at normal incidence and for tilts about U
 //! only, with a jump where the ray crosses the plane of U.) Note that `polarizer` counts its angle the other way round.
 
 use glam::Vec3A;

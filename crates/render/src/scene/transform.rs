@@ -69,9 +69,14 @@ fn components(element: &Element<'_>, others: &[&str], absent: f64) -> Result<DVe
 fn rotate(element: &Element<'_>) -> Result<DMat4, SceneError> {
     let axis = components(element, &["angle"], 0.0)?;
     let degrees = element.require("angle")?.parse(number::float)?;
-    let axis = unit(axis)
-        .ok_or_else(|| element.error("the axis of the rotation is zero, expected a direction"))?;
-    Ok(DMat4::from_axis_angle(axis, degrees.to_radians()))
+    if axis == DVec3::ZERO {
+        return Err(element.error("the axis of the rotation is zero, expected a direction"));
+    }
+    // Rodrigues' formula with the axis as it stands: one that is not of unit length stretches, as in Mitsuba
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    let column = |e: DVec3| e * cos + axis.cross(e) * sin + axis * (axis.dot(e) * (1.0 - cos));
+    let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z].map(column);
+    Ok(DMat4::from_mat3(DMat3::from_cols(x, y, z)))
 }
 
 /// Local +z looks from `origin` to `target`, local +y is the part of `up` across it, local +x = y × z.
