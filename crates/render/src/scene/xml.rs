@@ -380,4 +380,136 @@ pub(super) mod tests {
         let text = format!("<scene version='3.0.0'>{inside}</scene>");
         read_text(&text, Path::new("scene.xml"), &[]).unwrap()
     }
+
+    fn message(text: &str, defines: &[(&str, &str)]) -> String {
+        let defines: Vec<_> = defines
+            .iter()
+            .map(|&(name, value)| (name.to_owned(), value.to_owned()))
+            .collect();
+        let outcome = read_text(text, Path::new("s.xml"), &defines);
+        outcome.err().map_or_else(String::new, |e| e.to_string())
+    }
+
+    #[test]
+    fn defaults_give_way_to_the_command_line() {
+        let text = "<scene version='3.0.0'><default name='n' value='4'/>\
+                    <sampler type='independent'><integer name='sample_count' value='$n'/></sampler></scene>";
+        for (defines, expected) in [(vec![], 4), (vec![("n".to_owned(), "9".to_owned())], 9)] {
+            let document = read_text(text, Path::new("s.xml"), &defines).unwrap();
+            let sampler = document.root.child(Tag::Sampler).unwrap().unwrap();
+            assert_eq!(sampler.integer("sample_count", 1), Ok(expected));
+        }
+        assert_eq!(
+            message(text, &[("nn", "1")]),
+            "s.xml: '-D nn' has no effect, the scene has no '$nn', did you mean 'n'?"
+        );
+    }
+
+    #[test]
+    fn included_scenes_are_spliced_in_and_included_objects_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+        fs::create_dir(folder.path().join("parts")).unwrap();
+        write(
+            "scene.xml",
+            "<scene version='3.0.0'><include filename='parts/lights.xml'/>\
+             <bsdf type='mask'><include name='opacity' filename='parts/checks.xml'/></bsdf></scene>",
+        );
+        write(
+            "parts/lights.xml",
+            "<scene version='2.1.0'><emitter type='constant'/><include filename='more.xml'/></scene>",
+        );
+        write("parts/more.xml", "<emitter version='3.0' type='point'/>");
+        write(
+            "parts/checks.xml",
+            "<texture version='3.0.0' type='checkerboard'/>",
+        );
+        let document = read(&folder.path().join("scene.xml"), &[]).unwrap();
+        let plugins = |tag| -> Vec<String> {
+            let objects = document.root.children(tag);
+            objects.iter().map(|o| o.plugin.clone()).collect()
+        };
+        assert_eq!(plugins(Tag::Emitter), ["constant", "point"]);
+        let mask = &document.definitions()[0];
+        let opacity = mask.named_child("opacity").unwrap().unwrap();
+        assert_eq!(opacity.plugin, "checkerboard");
+        assert!(
+            opacity
+                .position
+                .to_string()
+                .ends_with("parts/checks.xml:1:1")
+        );
+    }
+
+    #[test]
+    fn files_are_found_beside_the_file_that_names_them_and_in_its_paths() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = folder.path();
+        fs::create_dir(root.join("data")).unwrap();
+        fs::write(root.join("data/a.spd"), "400 1\n700 2\n").unwrap();
+        let text = "<scene version='3.0.0'><path value='data'/><bsdf type='t'>\
+                    <spectrum name='s' filename='a.spd'/><string name='f' value='a.spd'/></bsdf></scene>";
+        let document = read_text(text, &root.join("s.xml"), &[]).unwrap();
+        let found = document.definitions()[0].path("f").unwrap();
+        assert_eq!(found, root.join("data").join("a.spd"));
+    }
+
+    #[test]
+    fn a_spectrum_with_a_type_is_a_texture() {
+        let document = scene(
+            "<emitter type='point'><spectrum name='intensity' type='blackbody'><float name='temperature' value='1'/>\
+             </spectrum></emitter>",
+        );
+        let emitter = document.root.child(Tag::Emitter).unwrap().unwrap();
+        let intensity = emitter.named_child("intensity").unwrap().unwrap();
+        assert_eq!(
+            (intensity.tag, &*intensity.plugin),
+            (Tag::Texture, "blackbody")
+        );
+    }
+
+    #[test]
+    fn only_the_dialects_of_versions_2_and_3_are_read() {
+        for version in ["3.0.0", "3.9.1", "2.0.0", "2.1", "3"] {
+            assert_eq!(message(&format!("<scene version='{version}'/>"), &[]), "");
+        }
+        assert_eq!(
+            message("<scene version='0.6.0'/>", &[]),
+            "s.xml:1:8: version '0.6.0' is the older dialect with names like 'toWorld', expected version 2 or 3, \
+             'mitsuba -u' of Mitsuba 3 updates the file"
+        );
+        assert_eq!(
+            message("<scene version='4.0.0'/>", &[]),
+            "s.xml:1:8: attribute 'version' of scene is '4.0.0', expected a version such as '3.0.0'"
+        );
+        assert_eq!(
+            message("<scene/>", &[]),
+            "s.xml:1:1: element 'scene' has no attribute 'version', expected version=\"…\""
+        );
+    }
+
+    #[test]
+    fn syntax_errors_point_at_the_fault_and_not_at_the_first_line() {
+        for (text, expected) in [
+            ("", "s.xml:1:1: the file is empty, expected a scene"),
+            (
+                "<scene version='3.0.0'>\n  <bsdf>",
+                "s.xml:2:9: the file ends inside an element, expected its end tag",
+            ),
+            (
+                "<scene version='3.0.0'>\n <bsdf></scen",
+                "s.xml:2:14: the file ends in the middle of the XML, expected more",
+            ),
+            (
+                "<scene version='3.0.0'>\n<bsdf></shape>",
+                "s.xml:2:7: the XML is malformed: expected 'bsdf' tag, not 'shape'",
+            ),
+            (
+                "\n<!DOCTYPE a>",
+                "s.xml:2:1: a document type declaration, expected none, entities are not supported",
+            ),
+        ] {
+            assert_eq!(message(text, &[]), expected);
+        }
+    }
 }
