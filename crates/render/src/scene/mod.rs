@@ -9,7 +9,10 @@
 //! a plugin then asks its [`Object`] for the parameters by name and type, and calls [`Object::finish`], which refuses
 //! what nobody has asked for.
 
+mod assemble;
 mod defines;
+mod dialect;
+mod document;
 mod element;
 mod error;
 pub mod mesh;
@@ -20,11 +23,14 @@ mod params;
 mod search;
 mod source;
 mod spectral;
+mod tag;
 mod transform;
 mod tree;
 mod value;
 mod xml;
 
+pub use document::Document;
 pub use error::{Position, SceneError, nearest};
-pub use object::{Document, Object, Tag};
+pub use object::Object;
+pub use tag::Tag;
 pub use xml::{read, read_text};

@@ -4,9 +4,11 @@ use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
 use std::rc::Rc;
 
+use super::document::{Document, Notices};
 use super::error::{Position, SceneError, nearest, quoted};
-use super::object::{Child, Document, Notices, Object, Parameter, Tag};
+use super::object::{Child, Object, Parameter};
 use super::search::Search;
+use super::tag::Tag;
 use super::value::Value;
 
 /// Deepest nesting of objects, references included; what walks a scene may recurse.
@@ -265,7 +267,7 @@ enum State {
 mod tests {
     use std::path::Path;
 
-    use crate::scene::object::Tag;
+    use crate::scene::tag::Tag;
     use crate::scene::xml::{read_text, tests::scene};
 
     fn message(inside: &str) -> String {
