@@ -8,7 +8,7 @@ use std::sync::Arc;
 use super::error::{Position, SceneError};
 
 /// Bytes between two places whose line and column are remembered, so that a file in one long line stays fast.
-const STRIDE: usize = 512;
+const STRIDE: usize = 128;
 
 /// A text file with the places of its lines.
 pub(super) struct Source {
