@@ -1,8 +1,9 @@
 //! Scene files: the Mitsuba 3 XML dialect, read strictly, and the meshes that it names.
 //!
 //! ```text
-//! file ─ source ─ element ─ value ┐
-//!            defines ($name) ─────┴─ xml ─ tree (ids, refs) ─ Document ─ Object: typed parameters
+//! file ─ source ─ dialect ─ element ─ value ┐
+//!                   defines ($name) ────────┴─ xml ─ tree (ids, refs) ─ Document ─ Object: typed parameters
+//! OBJ file ─ obj ─ assemble ─ Mesh
 //! ```
 //!
 //! A scene is read in two steps. [`read`] knows the grammar and no plugin; it returns a [`Document`]. Whoever builds
