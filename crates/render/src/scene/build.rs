@@ -7,7 +7,9 @@ use glam::{DMat4, DVec3};
 
 use super::error::SceneError;
 use super::mesh::load_obj;
-use super::object::{Document, Object, Tag};
+use super::document::Document;
+use super::object::Object;
+use super::tag::Tag;
 use super::plugins;
 use super::world::{Body, Owner, Scene};
 use crate::emitter::{Emitter, area::Area, constant::Constant, directional::Directional, point::Point, spot::Spot};

@@ -217,17 +217,26 @@ pub(super) mod tests {
 
     #[test]
     fn text_and_namespaces_are_refused() {
-        let error = with_element("<bsdf>\n  0.5\n</bsdf>", |e| e.no_children());
+        let error = with_element("<bsdf>\n  0.5\n</bsdf>", |e| {
+            e.no_children()?;
+            Ok(())
+        });
         assert_eq!(
             error.unwrap_err(),
             "s.xml:2:3: text '0.5' inside element 'bsdf', expected elements only, values stand in attributes"
         );
-        let error = with_element("<float><float/></float>", |e| e.no_children());
+        let error = with_element("<float><float/></float>", |e| {
+            e.no_children()?;
+            Ok(())
+        });
         assert_eq!(
             error.unwrap_err(),
             "s.xml:1:8: element 'float' inside element 'float', expected nothing inside"
         );
-        let error = with_element("<scene xmlns='http://a'/>", |e| e.no_children());
+        let error = with_element("<scene xmlns='http://a'/>", |e| {
+            e.no_children()?;
+            Ok(())
+        });
         assert_eq!(
             error.unwrap_err(),
             "s.xml:1:1: element 'scene' is in an XML namespace, expected none"

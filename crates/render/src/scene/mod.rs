@@ -1,16 +1,20 @@
 //! Scene files: the Mitsuba 3 XML dialect, read strictly, and the meshes that it names.
 //!
 //! ```text
-//! file ─ source ─ element ─ value ┐
-//!            defines ($name) ─────┴─ xml ─ tree (ids, refs) ─ Document ─ Object: typed parameters
+//! file ─ source ─ dialect ─ element ─ value ┐
+//!                   defines ($name) ────────┴─ xml ─ tree (ids, refs) ─ Document ─ Object: typed parameters
+//! OBJ file ─ obj ─ assemble ─ Mesh
 //! ```
 //!
 //! A scene is read in two steps. [`read`] knows the grammar and no plugin; it returns a [`Document`]. Whoever builds
 //! a plugin then asks its [`Object`] for the parameters by name and type, and calls [`Object::finish`], which refuses
 //! what nobody has asked for.
 
+mod assemble;
 mod build;
 mod defines;
+mod dialect;
+mod document;
 mod element;
 mod error;
 pub mod mesh;
@@ -22,6 +26,7 @@ pub mod plugins;
 mod search;
 mod source;
 mod spectral;
+mod tag;
 mod transform;
 mod tree;
 mod value;
@@ -29,7 +34,9 @@ mod world;
 mod xml;
 
 pub use build::{BuiltScene, Overrides, build};
+pub use document::Document;
 pub use error::{Position, SceneError, nearest};
-pub use object::{Document, Object, Tag};
+pub use object::Object;
+pub use tag::Tag;
 pub use world::{Body, Encounter, Owner, Scene};
 pub use xml::{read, read_text};

@@ -3,12 +3,12 @@
 //! A reader of our own because every error names its line, and because groups and materials must not cut the
 //! neighbourhood of a vertex, on which smooth normals depend.
 
-use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
+use super::assemble::{NONE, Statements};
 use super::error::{Position, SceneError, quoted, suggestion};
-use super::mesh::{Mesh, count_degenerate, vertex_normals};
+use super::mesh::Mesh;
 use super::source::read_bytes;
 
 /// Statements that carry no triangles and are passed over: names, materials, smoothing groups, display hints.
@@ -43,9 +43,6 @@ const NO_TRIANGLES: [&str; 22] = [
     "trace_obj",
 ];
 
-/// No texture coordinate or normal at this corner.
-const NONE: u32 = u32::MAX;
-
 /// Reads an OBJ file.
 ///
 /// All groups become one mesh; a polygon becomes a fan of triangles around its first corner. Vertex colours, the
@@ -67,6 +64,7 @@ fn parse(bytes: &[u8], path: &Path, flip_tex_coords: bool) -> Result<Mesh, Scene
     let mut statements = Statements::default();
     let mut number = 0;
     let mut joined = String::new();
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     for line in bytes.split(|&byte| byte == b'\n') {
         number += 1;
         let at = |message: String| Position::line(file.clone(), number).error(message);
@@ -100,19 +98,6 @@ fn parse(bytes: &[u8], path: &Path, flip_tex_coords: bool) -> Result<Mesh, Scene
         *notice = whole.error(&*notice).to_string();
     }
     Ok(mesh)
-}
-
-/// What the file says, with indices as in the file but counted from zero.
-#[derive(Default)]
-struct Statements {
-    positions: Vec<[f32; 3]>,
-    texcoords: Vec<[f32; 2]>,
-    normals: Vec<[f32; 3]>,
-    /// Position, texture coordinate, normal.
-    corners: Vec<[u32; 3]>,
-    /// End of the corners of each face, and its line.
-    faces: Vec<(usize, u32)>,
-    ignored: usize,
 }
 
 impl Statements {
@@ -175,115 +160,6 @@ impl Statements {
             few => Err(format!("face with {few} corners, expected at least 3")),
         }
     }
-
-    /// Merges equal corners into vertices; errors come with their line.
-    fn mesh(&self, flip_tex_coords: bool) -> Result<Mesh, (u32, String)> {
-        let mut mesh = Mesh::default();
-        let mut known: HashMap<[u32; 3], u32> = HashMap::with_capacity(self.positions.len());
-        let mut corners: Vec<[u32; 3]> = Vec::with_capacity(self.positions.len());
-        let mut start = 0;
-        for &(end, line) in &self.faces {
-            let mut fan = [0; 2];
-            for (k, corner) in self.corners[start..end].iter().enumerate() {
-                let vertex = match known.get(corner) {
-                    Some(&vertex) => vertex,
-                    None => {
-                        self.check(corner).map_err(|message| (line, message))?;
-                        let vertex = u32::try_from(corners.len())
-                            .map_err(|_| (line, "more than 4294967295 vertices".to_owned()))?;
-                        corners.push(*corner);
-                        known.insert(*corner, vertex);
-                        vertex
-                    }
-                };
-                match k {
-                    0 => fan[0] = vertex,
-                    1 => fan[1] = vertex,
-                    _ => {
-                        mesh.triangles.push([fan[0], fan[1], vertex]);
-                        fan[1] = vertex;
-                    }
-                }
-            }
-            start = end;
-        }
-        mesh.positions = corners
-            .iter()
-            .map(|c| self.positions[c[0] as usize])
-            .collect();
-        self.attributes(&mut mesh, &corners, flip_tex_coords);
-        self.remark(&mut mesh);
-        Ok(mesh)
-    }
-
-    fn check(&self, corner: &[u32; 3]) -> Result<(), String> {
-        let lists = [
-            (self.positions.len(), "vertex"),
-            (self.texcoords.len(), "texture coordinate"),
-            (self.normals.len(), "normal"),
-        ];
-        for (&index, (count, what)) in corner.iter().zip(lists) {
-            if index != NONE && index as usize >= count {
-                return Err(format!(
-                    "face names {what} {}, expected at most {count}, the number in the file",
-                    u64::from(index) + 1
-                ));
-            }
-        }
-        Ok(())
-    }
-
-    fn attributes(&self, mesh: &mut Mesh, corners: &[[u32; 3]], flip_tex_coords: bool) {
-        let absent = |k: usize| corners.iter().filter(|c| c[k] == NONE).count();
-        if absent(1) < corners.len() {
-            let texcoord = |corner: &[u32; 3]| match self.texcoords.get(corner[1] as usize) {
-                Some(&[u, v]) if flip_tex_coords => [u, 1.0 - v],
-                Some(&uv) => uv,
-                None => [0.0, 0.0],
-            };
-            mesh.texcoords = Some(corners.iter().map(texcoord).collect());
-            if absent(1) > 0 {
-                let n = absent(1);
-                mesh.notices.push(format!(
-                    "{n} vertices lack texture coordinates and get (0, 0)"
-                ));
-            }
-        }
-        if absent(2) < corners.len() {
-            let given = |corner: &[u32; 3]| {
-                let normal = glam::Vec3::from(*self.normals.get(corner[2] as usize)?).as_dvec3();
-                Some(normal.try_normalize()?.as_vec3().to_array())
-            };
-            let mut normals: Vec<_> = corners.iter().map(given).collect();
-            let missing = normals.iter().filter(|normal| normal.is_none()).count();
-            if missing > 0 {
-                for (normal, smooth) in normals.iter_mut().zip(vertex_normals(mesh)) {
-                    normal.get_or_insert(smooth);
-                }
-                mesh.notices.push(format!(
-                    "{missing} vertices lack a normal and get a smooth one"
-                ));
-            }
-            mesh.normals = Some(normals.into_iter().flatten().collect());
-        }
-    }
-
-    fn remark(&self, mesh: &mut Mesh) {
-        mesh.degenerate = count_degenerate(mesh);
-        if mesh.triangles.is_empty() {
-            mesh.notices.push("the file has no faces".to_owned());
-        }
-        if mesh.degenerate > 0 {
-            let n = mesh.degenerate;
-            mesh.notices.push(format!("{n} triangles have no area"));
-        }
-        if self.ignored > 0 {
-            let n = self.ignored;
-            mesh.notices.push(format!(
-                "{n} statements of points, lines or free-form surfaces are ignored"
-            ));
-        }
-    }
 }
 
 /// The first `N` numbers of a statement, of which `needed` must be there; the others are zero. More may follow.
@@ -336,4 +212,165 @@ fn index(text: &str, count: usize) -> Result<u32, String> {
         .ok()
         .filter(|&index| index != NONE)
         .ok_or_else(|| format!("index {number} in a face, there are {count} before this line"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Mesh, String> {
+        parse(text.as_bytes(), Path::new("a.obj"), true).map_err(|error| error.to_string())
+    }
+
+    const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
+    #[test]
+    fn a_polygon_becomes_a_fan_around_its_first_corner() {
+        let mesh = read(&format!("{TRIANGLE}v 1 1 0\nv 2 2 0\nf 3 1 2 4 5\n")).unwrap();
+        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 3, 4]]);
+        assert_eq!(mesh.positions[0], [0.0, 1.0, 0.0]);
+        assert_eq!((mesh.normals, mesh.texcoords), (None, None));
+    }
+
+    #[test]
+    fn groups_and_materials_do_not_split_vertices() {
+        let text = format!(
+            "\u{feff}mtllib none.mtl\no a\n{TRIANGLE}v 1 1 0\ng b\nusemtl c\nf 1 2 3\ng d\ns 1\nf 3 2 4 # end\r\n"
+        );
+        let mesh = read(&text).unwrap();
+        assert_eq!(mesh.triangles, [[0, 1, 2], [2, 1, 3]]);
+        assert_eq!(mesh.positions.len(), 4);
+        assert_eq!(mesh.notices, [""; 0]);
+    }
+
+    #[test]
+    fn equal_positions_with_different_attributes_are_different_vertices() {
+        let text = format!(
+            "{TRIANGLE}vt 0 .25\nvt 1\nvn 0 0 2\nf 1/1/1 2/1/1 3/1/1\nf 1/2/1 3/1/1 2/1/1\n"
+        );
+        let mesh = read(&text).unwrap();
+        assert_eq!(mesh.triangles, [[0, 1, 2], [3, 2, 1]]);
+        assert_eq!(mesh.normals.unwrap(), [[0.0, 0.0, 1.0]; 4]);
+        let uv = mesh.texcoords.unwrap();
+        assert_eq!((uv[0], uv[3]), ([0.0, 0.75], [1.0, 1.0]));
+        let unflipped = parse(text.as_bytes(), Path::new("a.obj"), false).unwrap();
+        assert_eq!(unflipped.texcoords.unwrap()[0], [0.0, 0.25]);
+    }
+
+    #[test]
+    fn indices_count_back_from_the_line_or_reach_ahead() {
+        let mesh = read(&format!("{TRIANGLE}f -3 -2 -1\nf 4 1 2\nv 5 5 5 1\n")).unwrap();
+        assert_eq!(mesh.triangles, [[0, 1, 2], [3, 0, 1]]);
+        assert_eq!(mesh.positions[3], [5.0; 3]);
+    }
+
+    #[test]
+    fn a_backslash_continues_a_line() {
+        let mesh = read(&format!("{TRIANGLE}f 1 \\\n 2 3\n")).unwrap();
+        assert_eq!(mesh.triangles, [[0, 1, 2]]);
+        assert!(
+            read("f 1 \\")
+                .unwrap_err()
+                .starts_with("a.obj:1: the file ends")
+        );
+    }
+
+    #[test]
+    fn what_is_tolerated_is_noticed() {
+        for (text, notice) in [
+            ("", "a.obj: the file has no faces"),
+            (
+                "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3",
+                "a.obj: 1 triangles have no area",
+            ),
+            (
+                "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nl 1 2\np 1",
+                "a.obj: 2 statements of points, lines or free-form surfaces are ignored",
+            ),
+            (
+                "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 -1\nf 1//1 2//1 3",
+                "a.obj: 1 vertices lack a normal and get a smooth one",
+            ),
+            (
+                "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3",
+                "a.obj: 1 vertices lack texture coordinates and get (0, 0)",
+            ),
+        ] {
+            assert_eq!(read(text).unwrap().notices, [notice], "{text}");
+        }
+    }
+
+    #[test]
+    fn comments_need_not_be_utf_8() {
+        let text = [b"# caf\xe9\ng caf\xe9\n", TRIANGLE.as_bytes(), b"f 1 2 3"].concat();
+        let mesh = parse(&text, Path::new("a.obj"), true).unwrap();
+        assert_eq!(mesh.triangles.len(), 1);
+    }
+
+    #[test]
+    fn malformed_lines_are_named() {
+        for (line, message) in [
+            ("v 1 2", "'v' with 2 numbers, expected 3"),
+            ("v 1 2 x", "'x' in 'v' is no number, expected 3 or more"),
+            (
+                "v 1 2 nan",
+                "'nan' in 'v' is not finite in single precision, expected a finite number",
+            ),
+            (
+                "vn 0 1e39 0",
+                "'1e39' in 'vn' is not finite in single precision, expected a finite number",
+            ),
+            ("vt", "'vt' with 0 numbers, expected 1"),
+            ("f 1 2", "face with 2 corners, expected at least 3"),
+            (
+                "f 1 2 0",
+                "index 0 in a face, expected 1 for the first vertex",
+            ),
+            (
+                "f 1 2 -4",
+                "index -4 in a face, there are 3 before this line",
+            ),
+            (
+                "f 1 2 4",
+                "face names vertex 4, expected at most 3, the number in the file",
+            ),
+            (
+                "f 1 2 3/1",
+                "face names texture coordinate 1, expected at most 0, the number in the file",
+            ),
+            (
+                "f 1 2 3//1",
+                "face names normal 1, expected at most 0, the number in the file",
+            ),
+            (
+                "f 1 2 3/1/1/1",
+                "face corner '3/1/1/1', expected v, v/vt, v//vn or v/vt/vn",
+            ),
+            (
+                "f 1 2 /1",
+                "face corner '/1', expected v, v/vt, v//vn or v/vt/vn",
+            ),
+            ("f 1 2 1.5", "index '1.5' in a face, expected an integer"),
+            (
+                "f 1 2 99999999999999999999",
+                "index '99999999999999999999' in a face, expected an integer",
+            ),
+            (
+                "f 1 2 4294967296",
+                "index 4294967296 in a face, there are 3 before this line",
+            ),
+            (
+                "f 1 2 -9223372036854775808",
+                "index -9223372036854775808 in a face, there are 3 before this line",
+            ),
+            ("vnn 1 2 3", "unknown statement 'vnn', did you mean 'vn'?"),
+            (
+                "hello",
+                "unknown statement 'hello', expected 'v', 'vn', 'vt' or 'f'",
+            ),
+        ] {
+            let error = read(&format!("{TRIANGLE}{line}\n")).unwrap_err();
+            assert_eq!(error, format!("a.obj:4: {message}"));
+        }
+    }
 }

@@ -1,74 +1,15 @@
 //! Objects of a scene (`<bsdf>`, `<shape>`, …), their children, and what nobody has asked them for.
 
 use std::cell::{Cell, RefCell};
-use std::collections::{BTreeSet, HashSet};
+use std::collections::BTreeSet;
 use std::fmt::Display;
 use std::rc::Rc;
 
+use super::document::Notices;
 use super::error::{Position, SceneError, suggestion};
 use super::search::Search;
+use super::tag::Tag;
 use super::value::Value;
-
-/// The kind of an object: the name of its element.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Tag {
-    /// The root.
-    Scene,
-    /// How a surface scatters.
-    Bsdf,
-    /// A surface.
-    Shape,
-    /// A source of light.
-    Emitter,
-    /// A camera.
-    Sensor,
-    /// What collects the image.
-    Film,
-    /// A reconstruction filter.
-    Rfilter,
-    /// A source of samples.
-    Sampler,
-    /// The algorithm.
-    Integrator,
-    /// A texture; also `<spectrum type="…">`.
-    Texture,
-    /// What fills a shape.
-    Medium,
-    /// How a medium scatters.
-    Phase,
-    /// A quantity in space.
-    Volume,
-}
-
-impl Tag {
-    /// Every kind with the name of its element.
-    pub(super) const ALL: [(Self, &'static str); 13] = [
-        (Self::Scene, "scene"),
-        (Self::Bsdf, "bsdf"),
-        (Self::Shape, "shape"),
-        (Self::Emitter, "emitter"),
-        (Self::Sensor, "sensor"),
-        (Self::Film, "film"),
-        (Self::Rfilter, "rfilter"),
-        (Self::Sampler, "sampler"),
-        (Self::Integrator, "integrator"),
-        (Self::Texture, "texture"),
-        (Self::Medium, "medium"),
-        (Self::Phase, "phase"),
-        (Self::Volume, "volume"),
-    ];
-
-    /// The name of the element.
-    pub fn name(self) -> &'static str {
-        Self::ALL[self as usize].1
-    }
-
-    /// The kind whose element has this name.
-    pub(super) fn of(name: &str) -> Option<Self> {
-        let found = Self::ALL.iter().find(|(_, known)| *known == name);
-        found.map(|&(tag, _)| tag)
-    }
-}
 
 /// A parameter of an object.
 #[derive(Debug)]
@@ -87,21 +28,6 @@ pub(super) struct Child {
     pub(super) position: Position,
     pub(super) object: Rc<Object>,
     pub(super) read: Cell<bool>,
-}
-
-/// Remarks for the user that are no errors, each kept once.
-#[derive(Debug, Default)]
-pub(super) struct Notices {
-    seen: RefCell<HashSet<String>>,
-    list: RefCell<Vec<String>>,
-}
-
-impl Notices {
-    fn add(&self, notice: String) {
-        if self.seen.borrow_mut().insert(notice.clone()) {
-            self.list.borrow_mut().push(notice);
-        }
-    }
 }
 
 /// One object of a scene: a kind, a plugin, parameters and other objects.
@@ -265,47 +191,10 @@ impl Object {
     }
 }
 
-/// A scene file and the files that it includes.
-#[derive(Debug)]
-pub struct Document {
-    /// The `<scene>`.
-    pub root: Rc<Object>,
-    pub(super) notices: Rc<Notices>,
-}
-
-impl Document {
-    /// The objects at the top level that only matter where a `<ref>` names them: materials, textures, media.
-    pub fn definitions(&self) -> Vec<Rc<Object>> {
-        [
-            Tag::Bsdf,
-            Tag::Texture,
-            Tag::Medium,
-            Tag::Phase,
-            Tag::Volume,
-        ]
-        .iter()
-        .flat_map(|&tag| self.root.children(tag))
-        .collect()
-    }
-
-    /// Remarks for the user that are no errors, each once and with its place, in the order in which they arose.
-    pub fn notices(&self) -> Vec<String> {
-        self.notices.list.borrow().clone()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scene::xml::tests::scene;
-
-    #[test]
-    fn every_kind_knows_its_element() {
-        for (tag, name) in Tag::ALL {
-            assert_eq!(tag.name(), name);
-            assert_eq!(Tag::of(name), Some(tag));
-        }
-    }
 
     #[test]
     fn children_are_found_by_kind_and_by_name() {
@@ -362,19 +251,6 @@ mod tests {
         assert_eq!(
             message("<bsdf type='grating'>\n<film type='f'/></bsdf>"),
             "scene.xml:2:1: unexpected film 'f' in bsdf 'grating', expected none there"
-        );
-    }
-
-    #[test]
-    fn a_parameter_without_effect_is_noticed_once() {
-        let document = scene("<bsdf type='a'><float name='near_clip' value='1'/></bsdf>");
-        let object = &document.definitions()[0];
-        object.without_effect(&["near_clip", "far_clip"]);
-        object.without_effect(&["near_clip"]);
-        assert!(object.finish().is_ok());
-        assert_eq!(
-            document.notices(),
-            ["scene.xml:1:39: 'near_clip' of bsdf 'a' has no effect here"]
         );
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use glam::DMat4;
+use glam::{DMat4, DVec4};
 
 use super::error::{SceneError, alternatives, nearest, quoted};
 use super::object::Object;
@@ -187,7 +187,7 @@ impl Object {
 
 /// Whether the columns span a volume, relative to their lengths, that survives rounding.
 fn is_invertible(matrix: &DMat4) -> bool {
-    let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|c| c.truncate());
+    let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(DVec4::truncate);
     let [Some(x), Some(y), Some(z)] = columns.map(|c| (c / c.abs().max_element()).try_normalize())
     else {
         return false;

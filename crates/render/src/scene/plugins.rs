@@ -1,7 +1,8 @@
 //! Which plugins there are: ours, and Mitsuba's that we do not have yet.
 
 use super::error::{SceneError, nearest};
-use super::object::{Object, Tag};
+use super::object::Object;
+use super::tag::Tag;
 
 /// A kind of object with the plugins that we have, and those of Mitsuba 3 that we do not.
 struct Kind {

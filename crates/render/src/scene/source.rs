@@ -8,7 +8,7 @@ use std::sync::Arc;
 use super::error::{Position, SceneError};
 
 /// Bytes between two places whose line and column are remembered, so that a file in one long line stays fast.
-const STRIDE: usize = 512;
+const STRIDE: usize = 128;
 
 /// A text file with the places of its lines.
 pub(super) struct Source {
@@ -47,8 +47,10 @@ impl Source {
     pub(super) fn position(&self, offset: usize) -> Position {
         let after = self.marks.partition_point(|&(at, _, _)| at <= offset);
         let (start, line, column) = self.marks[after.saturating_sub(1)];
-        let end = self.text.floor_char_boundary(offset);
-        let passed = self.text[start..end.max(start)].chars().count();
+        let passed = self.text[start..]
+            .char_indices()
+            .take_while(|&(at, c)| start + at + c.len_utf8() <= offset)
+            .count();
         Position {
             file: self.file.clone(),
             line,

@@ -19,8 +19,8 @@ pub(super) fn read(
     let mut product = DMat4::IDENTITY;
     for node in transform.children()? {
         let element = Element::new(node, source, defines)?;
-        element.no_children()?;
         product = operation(&element)? * product;
+        element.no_children()?;
         if !product.is_finite() {
             return Err(element.error("the transform has entries too large for a number"));
         }

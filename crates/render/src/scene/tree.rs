@@ -4,9 +4,11 @@ use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
 use std::rc::Rc;
 
+use super::document::{Document, Notices};
 use super::error::{Position, SceneError, nearest, quoted};
-use super::object::{Child, Document, Notices, Object, Parameter, Tag};
+use super::object::{Child, Object, Parameter};
 use super::search::Search;
+use super::tag::Tag;
 use super::value::Value;
 
 /// Deepest nesting of objects, references included; what walks a scene may recurse.
@@ -259,4 +261,92 @@ enum State {
     /// Its children are being linked.
     Open,
     Done(Linked),
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use crate::scene::tag::Tag;
+    use crate::scene::xml::{read_text, tests::scene};
+
+    fn message(inside: &str) -> String {
+        let text = format!("<scene version='3.0.0'>\n{inside}</scene>");
+        let outcome = read_text(&text, Path::new("s.xml"), &[]);
+        outcome.err().map_or_else(String::new, |e| e.to_string())
+    }
+
+    #[test]
+    fn a_reference_may_stand_before_its_object_and_an_alias_after_it() {
+        let document = scene(
+            "<shape type='cube'><ref id='b'/></shape><bsdf type='diffuse' id='a'/><alias id='a' as='b'/>",
+        );
+        let shapes = document.root.children(Tag::Shape);
+        let bsdf = shapes[0].child(Tag::Bsdf).unwrap().unwrap();
+        assert_eq!(bsdf.id.as_deref(), Some("a"));
+    }
+
+    #[test]
+    fn names_that_mean_nothing_or_two_things_are_refused() {
+        for (inside, expected) in [
+            (
+                "<ref id='whit'/><bsdf type='a' id='white'/>",
+                "2:1: no object has the id 'whit', did you mean 'white'?",
+            ),
+            (
+                "<ref id='x'/>",
+                "2:1: no object has the id 'x', expected an object with id='x'",
+            ),
+            (
+                "<alias id='a' as='b'/><bsdf type='a' id='a'/>",
+                "2:1: no object has the id 'a', expected an object with id='a'",
+            ),
+            (
+                "<bsdf type='a' id='a'/>\n<bsdf type='b' id='a'/>",
+                "3:1: id 'a' is taken by the object at s.xml:2:1, expected another one",
+            ),
+            (
+                "<bsdf type='a' id='a'/><bsdf type='b' id='b'/>\n<alias id='a' as='b'/>",
+                "3:1: id 'b' is taken by the object at s.xml:2:24, expected another one",
+            ),
+            (
+                "<bsdf type='a'>\n<float name='x' value='1'/>\n<texture type='t' name='x'/></bsdf>",
+                "4:1: second parameter 'x', the first is at s.xml:3:1, expected one",
+            ),
+        ] {
+            assert_eq!(message(inside), format!("s.xml:{expected}"));
+        }
+    }
+
+    #[test]
+    fn an_object_cannot_contain_itself() {
+        for inside in [
+            "<bsdf type='a' id='a'>\n<ref id='a'/></bsdf>",
+            "<bsdf type='a' id='a'><ref id='b'/></bsdf><bsdf type='b' id='b'>\n<ref id='a'/></bsdf>",
+        ] {
+            assert_eq!(
+                message(inside),
+                "s.xml:3:1: the reference names an object around it, expected one that does not contain it"
+            );
+        }
+    }
+
+    #[test]
+    fn references_make_neither_deep_nor_endless_scenes() {
+        let link = |i: usize| format!("<bsdf type='t' id='b{}'><ref id='b{i}'/></bsdf>", i + 1);
+        let first = "<bsdf type='t' id='b0'/>".to_owned();
+        let forwards: String = (0..5000).map(link).collect();
+        let backwards: String = (0..5000).rev().map(link).collect();
+        for chain in [first.clone() + &forwards, backwards + &first] {
+            assert!(message(&chain).ends_with("deeper than 64 levels, expected fewer"));
+        }
+        let twice = |i: usize| {
+            format!(
+                "<bsdf type='t' id='b{}'><ref id='b{i}'/><ref id='b{i}'/></bsdf>",
+                i + 1
+            )
+        };
+        let doubling = first + &(0..40).map(twice).collect::<String>();
+        assert!(message(&doubling).contains("more than 1000000 times"));
+    }
 }

@@ -1,5 +1,8 @@
 //! The values of parameters, `<float>` to `<transform>`, as read from the file.
 
+use std::path::Path;
+use std::sync::Arc;
+
 use glam::DMat4;
 
 use super::defines::Defines;
@@ -147,9 +150,9 @@ fn spectrum(element: &Element<'_>, search: &Search) -> Result<Value, SceneError>
 }
 
 /// Lines of `wavelength value`, wavelengths in nm; `#` starts a comment.
-fn table_from_file(path: &std::path::Path) -> Result<Vec<(f64, f64)>, SceneError> {
+fn table_from_file(path: &Path) -> Result<Vec<(f64, f64)>, SceneError> {
     let text = String::from_utf8_lossy(&read_bytes(path)?).into_owned();
-    let file: std::sync::Arc<std::path::Path> = path.into();
+    let file: Arc<Path> = path.into();
     let mut pairs: Vec<(f64, f64)> = Vec::new();
     for (line, number) in text.lines().zip(1..) {
         let place = |what: &str| Position::line(file.clone(), number).error(what);
@@ -175,4 +178,133 @@ fn table_from_file(path: &std::path::Path) -> Result<Vec<(f64, f64)>, SceneError
         ))
     })?;
     Ok(pairs)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    fn read(text: &str) -> Result<Value, String> {
+        let source = Source::new(Path::new("s.xml"), text);
+        let document = roxmltree::Document::parse(&source.text).unwrap();
+        let mut defines = Defines::new(&[]).unwrap();
+        let search = Search::beside(Path::new("s.xml"), None);
+        Element::new(document.root_element(), &source, &mut defines)
+            .and_then(|element| Value::read(&element, &source, &mut defines, &search))
+            .map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn every_form_of_a_value_is_read() {
+        for (text, value) in [
+            ("<float value='1e-3'/>", Value::Float(1e-3)),
+            ("<integer value='-2'/>", Value::Integer(-2)),
+            ("<boolean value='False'/>", Value::Boolean(false)),
+            ("<string value=''/>", Value::String(String::new())),
+            ("<point x='1' y='2' z='3'/>", Value::Point([1.0, 2.0, 3.0])),
+            ("<vector value='1, 2 3'/>", Value::Vector([1.0, 2.0, 3.0])),
+            ("<rgb value='.5'/>", Value::Rgb([0.5; 3])),
+            ("<rgb r='1' g='2' b='3'/>", Value::Rgb([1.0, 2.0, 3.0])),
+            ("<rgb value='#0000ff'/>", Value::Rgb([0.0, 0.0, 1.0])),
+            ("<spectrum value='2'/>", Value::Uniform(2.0)),
+            (
+                "<spectrum value='400:1, 500:2'/>",
+                Value::Table(vec![(400.0, 1.0), (500.0, 2.0)]),
+            ),
+            ("<transform/>", Value::Transform(DMat4::IDENTITY)),
+        ] {
+            assert_eq!(read(text), Ok(value));
+        }
+    }
+
+    #[test]
+    fn values_of_the_wrong_form_are_refused() {
+        for (text, message) in [
+            (
+                "<float value='1.0abc'/>",
+                "1:8: attribute 'value' of float is '1.0abc', expected a number",
+            ),
+            (
+                "<integer value='1.5'/>",
+                "1:10: attribute 'value' of integer is '1.5', expected an integer",
+            ),
+            (
+                "<boolean value='yes'/>",
+                "1:10: attribute 'value' of boolean is 'yes', expected 'true' or 'false'",
+            ),
+            (
+                "<string/>",
+                "1:1: element 'string' has no attribute 'value', expected value=\"…\"",
+            ),
+            (
+                "<point x='1' y='2'/>",
+                "1:1: element 'point' has no attribute 'z', expected z=\"…\"",
+            ),
+            (
+                "<vector value='1 2 3' y='2'/>",
+                "1:23: attribute 'value' beside 'x', 'y' or 'z', expected one of the two forms",
+            ),
+            (
+                "<rgb value='1 2'/>",
+                "1:6: attribute 'value' of rgb is '1 2', expected one or three numbers",
+            ),
+            (
+                "<spectrum value='x'/>",
+                "1:11: attribute 'value' of spectrum is 'x', expected a number",
+            ),
+            (
+                "<spectrum value='500:1, 400:1'/>",
+                "1:11: attribute 'value' of spectrum is '500:1, 400:1', expected rising wavelengths",
+            ),
+            (
+                "<spectrum/>",
+                "1:1: element 'spectrum' has neither 'value' nor 'filename', expected one of the two",
+            ),
+            (
+                "<spectrum filename='none.spd'/>",
+                "1:11: no file 'none.spd', looked in '.'",
+            ),
+        ] {
+            assert_eq!(read(text), Err(format!("s.xml:{message}")));
+        }
+    }
+
+    #[test]
+    fn a_table_from_a_file_names_the_line_that_is_wrong() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("gold.spd");
+        let table = |text: &str| {
+            fs::write(&path, text).unwrap();
+            table_from_file(&path).map_err(|error| {
+                let text = error.to_string();
+                text[text.find("gold.spd").unwrap()..].to_owned()
+            })
+        };
+        assert_eq!(
+            table("# nm value\n400 1.5 # blue\r\n\n 700\t2\n"),
+            Ok(vec![(400.0, 1.5), (700.0, 2.0)])
+        );
+        for (text, message) in [
+            (
+                "400 1\n500\n",
+                "gold.spd:2: '500' found, expected a wavelength in nm and a value",
+            ),
+            (
+                "400 1\n500 x\n",
+                "gold.spd:2: '500 x' found, expected a number",
+            ),
+            (
+                "400 1\n400 2\n",
+                "gold.spd:2: '400 2' found, expected rising wavelengths",
+            ),
+            (
+                "# nothing\n",
+                "gold.spd: the table has 0 lines, expected at least two wavelengths, or one number for all of them",
+            ),
+        ] {
+            assert_eq!(table(text), Err(message.to_owned()));
+        }
+    }
 }

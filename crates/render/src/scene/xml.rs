@@ -4,11 +4,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::defines::Defines;
+use super::dialect::{check_version, parse, unknown};
+use super::document::Document;
 use super::element::{Attribute, Element};
-use super::error::{Position, SceneError, quoted, suggestion};
-use super::object::{Document, Tag};
+use super::error::{Position, SceneError, quoted};
 use super::search::Search;
 use super::source::Source;
+use super::tag::Tag;
 use super::tree::{Draft, MAX_DEPTH, Tree};
 use super::value::{VALUE_TAGS, Value};
 
@@ -16,12 +18,12 @@ use super::value::{VALUE_TAGS, Value};
 const MAX_INCLUDE_DEPTH: usize = 15;
 const MAX_INCLUDES: usize = 1000;
 
-/// Elements that neither make an object nor give a value.
-const OTHER_TAGS: [&str; 5] = ["default", "include", "path", "alias", "ref"];
-
 /// Reads a scene file in the Mitsuba 3 XML dialect, with the files that it includes.
 ///
-/// `defines` are the values of the command line for `$name`; they win over the `<default>`s of the file.
+/// `defines` are the values of the command line for `$name`; they win over the `<default>`s of the file. More generous
+/// than Mitsuba: `look_at` beside `lookat`, `r`, `g`, `b` and `#rrggbb` (sRGB code values) in an `<rgb>`, parameters in
+/// an included `<scene>`. A byte order mark is skipped. Bounds: 64 levels of objects, with what `<ref>` adds; 1000
+/// includes, 15 within each other; no document type declaration.
 ///
 /// # Errors
 ///
@@ -289,88 +291,6 @@ fn optional<'e>(element: &'e Element<'_>, name: &str) -> Result<Option<&'e Attri
     }
 }
 
-fn unknown(element: &Element<'_>) -> SceneError {
-    let tag = element.tag;
-    if [
-        "translate",
-        "rotate",
-        "scale",
-        "lookat",
-        "look_at",
-        "matrix",
-    ]
-    .contains(&tag)
-    {
-        return element.error(format!(
-            "element '{tag}' outside a transform, put it into <transform name=\"to_world\">"
-        ));
-    }
-    let known: Vec<&str> = Tag::ALL
-        .iter()
-        .map(|&(_, name)| name)
-        .chain(VALUE_TAGS)
-        .chain(OTHER_TAGS)
-        .collect();
-    element.error(format!(
-        "unknown element {}{}",
-        quoted(tag),
-        suggestion(tag, &known)
-    ))
-}
-
-/// Accepts the dialect of Mitsuba 2 and 3.
-fn check_version(root: &Element<'_>) -> Result<(), SceneError> {
-    let version = root.require("version")?;
-    let parts: Vec<Option<u32>> = version.value.split('.').map(|p| p.parse().ok()).collect();
-    match parts[..] {
-        [Some(2 | 3), ref rest @ ..] if rest.len() <= 2 && rest.iter().all(Option::is_some) => {
-            Ok(())
-        }
-        [Some(0 | 1), ..] => Err(version.position.error(format!(
-            "version {} is the older dialect with names like 'toWorld', expected version 2 or 3, \
-             'mitsuba -u' of Mitsuba 3 updates the file",
-            quoted(&version.value)
-        ))),
-        _ => Err(version.expected("a version such as '3.0.0'")),
-    }
-}
-
-fn parse(source: &Source) -> Result<roxmltree::Document<'_>, SceneError> {
-    roxmltree::Document::parse(&source.text).map_err(|failure| syntax_error(source, &failure))
-}
-
-/// The place and the words of an error in the XML itself.
-fn syntax_error(source: &Source, failure: &roxmltree::Error) -> SceneError {
-    use roxmltree::Error;
-    let text = &source.text;
-    let end = source.position(text.trim_end().len());
-    match failure {
-        Error::NoRootNode if text.trim().is_empty() => source
-            .position(0)
-            .error("the file is empty, expected a scene"),
-        Error::NoRootNode => end.error("no element in the file, expected a scene"),
-        Error::UnclosedRootNode => {
-            end.error("the file ends inside an element, expected its end tag")
-        }
-        Error::UnexpectedEndOfStream => {
-            end.error("the file ends in the middle of the XML, expected more")
-        }
-        Error::DtdDetected => source
-            .position(text.find("<!DOCTYPE").unwrap_or(0))
-            .error("a document type declaration, expected none, entities are not supported"),
-        other => {
-            let at = other.pos();
-            let place = Position {
-                file: source.file.clone(),
-                line: at.row,
-                column: at.col,
-            };
-            let words = other.to_string().replace(&format!(" at {at}"), "");
-            place.error(format!("the XML is malformed: {words}"))
-        }
-    }
-}
-
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
@@ -379,5 +299,93 @@ pub(super) mod tests {
     pub(in crate::scene) fn scene(inside: &str) -> Document {
         let text = format!("<scene version='3.0.0'>{inside}</scene>");
         read_text(&text, Path::new("scene.xml"), &[]).unwrap()
+    }
+
+    /// The error that a text gives, empty where it gives none.
+    pub(in crate::scene) fn message(text: &str, defines: &[(&str, &str)]) -> String {
+        let defines: Vec<_> = defines
+            .iter()
+            .map(|&(name, value)| (name.to_owned(), value.to_owned()))
+            .collect();
+        let outcome = read_text(text, Path::new("s.xml"), &defines);
+        outcome.err().map_or_else(String::new, |e| e.to_string())
+    }
+
+    #[test]
+    fn defaults_give_way_to_the_command_line() {
+        let text = "<scene version='3.0.0'><default name='n' value='4'/>\
+                    <sampler type='independent'><integer name='sample_count' value='$n'/></sampler></scene>";
+        for (defines, expected) in [(vec![], 4), (vec![("n".to_owned(), "9".to_owned())], 9)] {
+            let document = read_text(text, Path::new("s.xml"), &defines).unwrap();
+            let sampler = document.root.child(Tag::Sampler).unwrap().unwrap();
+            assert_eq!(sampler.integer("sample_count", 1), Ok(expected));
+        }
+        assert_eq!(
+            message(text, &[("nn", "1")]),
+            "s.xml: '-D nn' has no effect, the scene has no '$nn', did you mean 'n'?"
+        );
+    }
+
+    #[test]
+    fn included_scenes_are_spliced_in_and_included_objects_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+        fs::create_dir(folder.path().join("parts")).unwrap();
+        write(
+            "scene.xml",
+            "<scene version='3.0.0'><include filename='parts/lights.xml'/>\
+             <bsdf type='mask'><include name='opacity' filename='parts/checks.xml'/></bsdf></scene>",
+        );
+        write(
+            "parts/lights.xml",
+            "<scene version='2.1.0'><emitter type='constant'/><include filename='more.xml'/></scene>",
+        );
+        write("parts/more.xml", "<emitter version='3.0' type='point'/>");
+        write(
+            "parts/checks.xml",
+            "<texture version='3.0.0' type='checkerboard'/>",
+        );
+        let document = read(&folder.path().join("scene.xml"), &[]).unwrap();
+        let plugins = |tag| -> Vec<String> {
+            let objects = document.root.children(tag);
+            objects.iter().map(|o| o.plugin.clone()).collect()
+        };
+        assert_eq!(plugins(Tag::Emitter), ["constant", "point"]);
+        let mask = &document.definitions()[0];
+        let opacity = mask.named_child("opacity").unwrap().unwrap();
+        assert_eq!(opacity.plugin, "checkerboard");
+        assert!(
+            opacity
+                .position
+                .to_string()
+                .ends_with("parts/checks.xml:1:1")
+        );
+    }
+
+    #[test]
+    fn files_are_found_beside_the_file_that_names_them_and_in_its_paths() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = folder.path();
+        fs::create_dir(root.join("data")).unwrap();
+        fs::write(root.join("data/a.spd"), "400 1\n700 2\n").unwrap();
+        let text = "<scene version='3.0.0'><path value='data'/><bsdf type='t'>\
+                    <spectrum name='s' filename='a.spd'/><string name='f' value='a.spd'/></bsdf></scene>";
+        let document = read_text(text, &root.join("s.xml"), &[]).unwrap();
+        let found = document.definitions()[0].path("f").unwrap();
+        assert_eq!(found, root.join("data").join("a.spd"));
+    }
+
+    #[test]
+    fn a_spectrum_with_a_type_is_a_texture() {
+        let document = scene(
+            "<emitter type='point'><spectrum name='intensity' type='blackbody'><float name='temperature' value='1'/>\
+             </spectrum></emitter>",
+        );
+        let emitter = document.root.child(Tag::Emitter).unwrap().unwrap();
+        let intensity = emitter.named_child("intensity").unwrap().unwrap();
+        assert_eq!(
+            (intensity.tag, &*intensity.plugin),
+            (Tag::Texture, "blackbody")
+        );
     }
 }
