@@ -8,7 +8,7 @@ import subprocess
 import sys
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 import OpenEXR
@@ -44,7 +44,7 @@ def render(scene: Path, out: Path, *options: str) -> dict[str, Any]:
     command = [binary(), "render", str(scene), "-o", str(out), "--quiet", "--json", *options]
     run = subprocess.run(command, text=True, stdout=subprocess.PIPE)
     if run.returncode != 0:
-        raise SystemExit(f"failed with status {run.returncode}: {' '.join(command)}")
+        give_up(f"failed with status {run.returncode}: {' '.join(command)}")
     return json.loads(run.stdout)
 
 
@@ -106,20 +106,21 @@ class Report:
         block: int,
         significance: float = 1e-3,
         systematic: ArrayLike = 0.0,
-        expected_variance: ArrayLike = 0.0,
+        least_variance: ArrayLike = 0.0,
     ) -> None:
         """Test each Stokes component by z over blocks, Šidák-corrected for all of them.
 
         `systematic` is an absolute error, per pixel, of `expected` itself; round-off of
-        32-bit images is always allowed.
+        32-bit images is always allowed.  `least_variance`, per pixel and known beforehand,
+        stands in where too few samples saw something to estimate it.
         """
         shape = image.mean.shape
         n = block * block
         d = blocks(image.mean - expected, block) / n
         scale = np.abs(expected[:, :, :1]).mean()
         allowed = np.broadcast_to(systematic, shape) + ROUND_OFF * (scale + np.abs(expected))
-        noise = image.variance + np.broadcast_to(expected_variance, shape)
-        sigma = np.sqrt(blocks(noise, block)) / n
+        least = blocks(np.broadcast_to(least_variance, shape), block)
+        sigma = np.sqrt(np.maximum(blocks(image.variance, block), least)) / n
         excess = np.maximum(np.abs(d) - blocks(allowed, block) / n, 0)
         # without noise nothing but the allowance may remain
         z = np.divide(excess, sigma, out=np.where(excess > 0, np.inf, 0.0), where=sigma > 0)
@@ -144,6 +145,12 @@ def arguments(description: str | None) -> argparse.ArgumentParser:
     return argparse.ArgumentParser(
         description=description, formatter_class=argparse.RawDescriptionHelpFormatter
     )
+
+
+def give_up(reason: str) -> NoReturn:
+    """Say why nothing can be checked, and leave with status 2."""
+    print(reason, file=sys.stderr)
+    sys.exit(2)
 
 
 def skip(reason: str, *, required: bool) -> int:

@@ -15,14 +15,13 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import optics
 from colour.phenomena import (
     polarised_light_reflection_amplitude,
     polarised_light_transmission_amplitude,
     snell_law,
 )
-
-import optics
-from common import ROOT, Array, Report, arguments
+from common import ROOT, Array, Report, arguments, give_up
 
 # absolute, of matrices whose elements are at most 1; both sides compute in 64 bits
 TOLERANCE = 1e-12
@@ -35,9 +34,7 @@ EXPECTED_CASES = ("external", "internal", "total reflection", "metal")
 def numpy_matrix(n1: float, n2: complex, degrees: float, kind: str) -> Array:
     """Return the Mueller matrix by Fresnel's formulas."""
     cos = np.cos(np.radians(degrees))
-    amplitudes = (
-        optics.reflection_amplitudes if kind == "R" else optics.transmission_amplitudes
-    )
+    amplitudes = optics.reflection_amplitudes if kind == "R" else optics.transmission_amplitudes
     return optics.from_amplitudes(*amplitudes(n1, n2, cos))
 
 
@@ -77,7 +74,7 @@ def main() -> int:
         text = run.stdout
     lines = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
     if lines.fieldnames != COLUMNS:
-        raise SystemExit(f"columns are {lines.fieldnames}, expected {COLUMNS}")
+        give_up(f"columns are {lines.fieldnames}, expected {COLUMNS}")
 
     worst: dict[str, list[float]] = {}
     for line in lines:
@@ -97,7 +94,9 @@ def main() -> int:
     for name, differences in sorted(worst.items()):
         report.within(f"{name} ({len(differences)} rows)", float(np.max(differences)), TOLERANCE)
     missing = [c for c in EXPECTED_CASES if not any(name.startswith(c) for name in worst)]
-    report.within(f"kinds of interface the table lacks: {', '.join(missing) or 'none'}", len(missing), 0)
+    report.within(
+        f"kinds of interface the table lacks: {', '.join(missing) or 'none'}", len(missing), 0
+    )
     return report.finish()
 
 
