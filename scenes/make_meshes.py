@@ -82,6 +82,7 @@ def obj_text() -> str:
 
 
 def main() -> None:
+    """Write the mesh, unless it is there and right."""
     if MESH.exists() and hashlib.sha256(MESH.read_bytes()).hexdigest() == SHA256:
         print(f"{MESH}: already there")
         return
