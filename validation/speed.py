@@ -1,0 +1,75 @@
+"""Camera paths per core-second, polarized and not, beside Mitsuba; prints a Markdown table.
+
+Six scenes at 256×256.  CPU seconds of all threads while sampling; loading, building and JIT are
+left out on both sides.  Each figure is the best of --repetitions.  Mitsuba's figures come from
+`mitsuba_speed.json` and, where its wheel is installed, from the same run, the programs taking
+turns.  Ratios above 1 mean that Brewster is faster; `cost` is polarized over unpolarized time.
+"""
+
+import json
+import sys
+import tempfile
+from pathlib import Path
+
+import mitsuba_peer
+from common import SCENES, arguments, render, skip
+
+PEER_FIGURES = Path(__file__).parent / "mitsuba_speed.json"
+VARIANT = "llvm_ad_mono_polarized"
+SIZE = "256x256"
+# samples of a pass, as the peer's figures were taken
+PASS = 16
+
+
+def brewster(scene: Path, spp: int, *options: str) -> float:
+    """Return 10⁶ paths per core-second of one render."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "image.exr"
+        told = render(scene, out, "--size", SIZE, "--spp", str(spp), *options)
+    return told["paths"] / told["sampling_cpu_s"] / 1e6
+
+
+def mitsuba(python: str, scene: Path) -> float:
+    """Return 10⁶ paths per core-second, the best of three passes."""
+    options = ["--variant", VARIANT, "--size", SIZE, "--spp", str(PASS), "--batches", "3"]
+    told = mitsuba_peer.run(python, scene, *options)
+    return told["paths"] / min(told["cpu_s"]) / 1e6
+
+
+def main() -> int:
+    """Measure every scene and print the table."""
+    parser = arguments(__doc__)
+    figures = json.loads(PEER_FIGURES.read_text())["polarized"]
+    parser.add_argument("scenes", nargs="*", help=f"names (default: {' '.join(figures)})")
+    parser.add_argument("--spp", type=int, default=32, help="samples a pixel (default 32)")
+    parser.add_argument("--repetitions", type=int, default=3)
+    mitsuba_peer.add_arguments(parser)
+    args = parser.parse_args()
+    beside = mitsuba_peer.installed(args.python)
+    if args.require and not beside:
+        return skip(mitsuba_peer.MISSING, required=True)
+
+    print("10⁶ paths per core-second, 256×256\n")
+    now = " Mitsuba now | ratio |" if beside else ""
+    print(f"| scene | Brewster | unpolarized | cost | Mitsuba, stored | ratio |{now}")
+    print("|---" * (8 if beside else 6) + "|")
+    for name in args.scenes or figures:
+        scene = SCENES / name / "scene.xml"
+        polarized, unpolarized, peer = 0.0, 0.0, 0.0
+        for _ in range(args.repetitions):
+            polarized = max(polarized, brewster(scene, args.spp))
+            unpolarized = max(unpolarized, brewster(scene, args.spp, "--unpolarized"))
+            if beside:
+                peer = max(peer, mitsuba(args.python, scene))
+        stored = figures[name]
+        row = [name, f"{polarized:.3f}", f"{unpolarized:.3f}", f"{unpolarized / polarized:.2f}"]
+        row += [f"{stored:.3f}", f"{polarized / stored:.2f}"]
+        row += [f"{peer:.3f}", f"{polarized / peer:.2f}"] if beside else []
+        print(f"| {' | '.join(row)} |", flush=True)
+    if not beside:
+        print(f"\nMitsuba was not measured: {mitsuba_peer.MISSING}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
