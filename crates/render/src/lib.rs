@@ -4,4 +4,5 @@
 pub mod cli;
 pub mod compare;
 pub mod image;
+pub mod maps;
 pub mod output;
