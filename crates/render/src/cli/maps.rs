@@ -33,7 +33,7 @@ pub struct Args {
     /// Factor from S0 to display white; follows the image where absent
     #[arg(long, value_name = "X")]
     pub exposure: Option<f64>,
-    /// Let S1, S2, S3 and DoCP span -1 to 1, whatever the image needs
+    /// Let degrees span 0 to 1, and S1, S2, S3, DoCP -1 to 1, whatever the image needs
     #[arg(long)]
     pub full_range: bool,
     /// Write each map's numbers too, as .npy (angles in radians, NaN where masked)
@@ -63,7 +63,10 @@ pub fn run(args: &Args) -> Outcome {
         _ => Failure::Work(e.to_string()),
     })?;
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&report).map_err(|e| Failure::Work(e.to_string()))?);
+        println!(
+            "{}",
+            serde_json::to_string_pretty(&report).map_err(|e| Failure::Work(e.to_string()))?
+        );
     } else {
         print(&report);
     }
@@ -99,7 +102,12 @@ mod tests {
     #[test]
     fn the_help_names_every_map() {
         let command = Command::command();
-        let help = command.get_arguments().find(|a| a.get_id() == "maps").and_then(|a| a.get_help()).unwrap().to_string();
+        let help = command
+            .get_arguments()
+            .find(|a| a.get_id() == "maps")
+            .and_then(|a| a.get_help())
+            .unwrap()
+            .to_string();
         let names: Vec<&str> = TABLE.iter().map(|map| map.name).collect();
         assert!(help.ends_with(&names.join(", ")), "{help}");
     }

@@ -54,7 +54,11 @@ pub(super) fn diverging(t: f64) -> Rgb {
 /// From 0 (left-handed) over near-black to 1 (right-handed).
 pub(super) fn handed(t: f64, colours: HandednessColours) -> Rgb {
     let signed = 2.0 * unit(t) - 1.0;
-    let end = if signed < 0.0 { colours.left() } else { colours.right() };
+    let end = if signed < 0.0 {
+        colours.left()
+    } else {
+        colours.right()
+    };
     mix([22, 22, 26], end, signed.abs().powf(0.8))
 }
 
@@ -70,24 +74,38 @@ pub(super) fn hue(angle: f64, value: f64) -> Rgb {
 
 /// Type of polarization: cyan where linear (0), yellow where circular (1), times the degree.
 pub(super) fn kind(circular: f64, degree: f64) -> Rgb {
-    mix([0; 3], mix([0, 255, 255], [255, 255, 0], unit(circular)), unit(degree))
+    mix(
+        [0; 3],
+        mix([0, 255, 255], [255, 255, 0], unit(circular)),
+        unit(degree),
+    )
 }
 
 /// A linear intensity of 0 to 1 as an sRGB byte (IEC 61966-2-1).
 pub(super) fn srgb(linear: f64) -> u8 {
     let v = unit(linear);
-    let coded = if v <= 0.0031308 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
+    let coded = if v <= 0.0031308 {
+        12.92 * v
+    } else {
+        1.055 * v.powf(1.0 / 2.4) - 0.055
+    };
     (255.0 * coded).round() as u8
 }
 
 /// The mixture of two colours as displayed, `t` of the second.
 pub(super) fn mix(a: Rgb, b: Rgb, t: f64) -> Rgb {
-    std::array::from_fn(|i| (f64::from(a[i]) + (f64::from(b[i]) - f64::from(a[i])) * t).round() as u8)
+    std::array::from_fn(|i| {
+        (f64::from(a[i]) + (f64::from(b[i]) - f64::from(a[i])) * t).round() as u8
+    })
 }
 
 /// Diagonal stripes: no number here. `(x, y)` in pixels of the page.
 pub(super) fn stripes(x: usize, y: usize, period: usize) -> Rgb {
-    if (x + y) / period.max(1) % 2 == 0 { [196, 199, 204] } else { [222, 224, 228] }
+    if ((x + y) / period.max(1)).is_multiple_of(2) {
+        [196, 199, 204]
+    } else {
+        [222, 224, 228]
+    }
 }
 
 /// The number itself in 0 to 1; NaN is 0.

@@ -23,8 +23,14 @@ pub(super) struct Picture {
 impl Picture {
     /// A picture whose pixel (x, y) is `f(x, y)`.
     pub(super) fn from_fn(width: usize, height: usize, f: impl Fn(usize, usize) -> Rgb) -> Self {
-        let pixels = (0..width * height).map(|i| f(i % width, i / width)).collect();
-        Self { width, height, pixels }
+        let pixels = (0..width * height)
+            .map(|i| f(i % width, i / width))
+            .collect();
+        Self {
+            width,
+            height,
+            pixels,
+        }
     }
 }
 
@@ -40,17 +46,47 @@ pub(super) enum Anchor {
 #[derive(Debug, Clone)]
 pub(super) enum Item {
     /// A bitmap with its upper left corner at (x, y), each pixel `scale` wide.
-    Image { x: f32, y: f32, scale: usize, picture: Picture },
+    Image {
+        x: f32,
+        y: f32,
+        scale: usize,
+        picture: Picture,
+    },
     /// A rectangle; `line` is the width of an outline instead of a filling.
-    Rectangle { x: f32, y: f32, w: f32, h: f32, colour: Rgb, line: Option<f32> },
+    Rectangle {
+        x: f32,
+        y: f32,
+        w: f32,
+        h: f32,
+        colour: Rgb,
+        line: Option<f32>,
+    },
     /// A straight line.
-    Line { from: [f32; 2], to: [f32; 2], colour: Rgb, width: f32 },
+    Line {
+        from: [f32; 2],
+        to: [f32; 2],
+        colour: Rgb,
+        width: f32,
+    },
     /// An ellipse's outline, its major axis turned by `angle` radians clockwise on the page from the right.
-    Ellipse { centre: [f32; 2], radii: [f32; 2], angle: f32, colour: Rgb, width: f32 },
+    Ellipse {
+        centre: [f32; 2],
+        radii: [f32; 2],
+        angle: f32,
+        colour: Rgb,
+        width: f32,
+    },
     /// A filled polygon.
     Polygon { points: Vec<[f32; 2]>, colour: Rgb },
     /// One line of text; y is its base line.
-    Text { x: f32, y: f32, size: f32, colour: Rgb, anchor: Anchor, text: String },
+    Text {
+        x: f32,
+        y: f32,
+        size: f32,
+        colour: Rgb,
+        anchor: Anchor,
+        text: String,
+    },
 }
 
 /// Shapes on a page, in painting order.
@@ -69,7 +105,9 @@ pub(super) fn font() -> FontRef<'static> {
 
 /// Size of an em on the page to the font's own measure: CSS and SVG sizes count the em, ab_glyph the line.
 pub(super) fn font_height(font: &FontRef<'_>, size: f32) -> f32 {
-    let em = font.units_per_em().expect("the embedded font states its em");
+    let em = font
+        .units_per_em()
+        .expect("the embedded font states its em");
     size * font.height_unscaled() / em
 }
 
@@ -77,7 +115,9 @@ pub(super) fn font_height(font: &FontRef<'_>, size: f32) -> f32 {
 pub(super) fn text_width(text: &str, size: f32) -> f32 {
     let font = font();
     let scaled = font.as_scaled(font_height(&font, size));
-    text.chars().map(|c| scaled.h_advance(scaled.glyph_id(c))).sum()
+    text.chars()
+        .map(|c| scaled.h_advance(scaled.glyph_id(c)))
+        .sum()
 }
 
 /// Breaks a text into lines of at most `width` pixels, at spaces.
@@ -85,7 +125,11 @@ pub(super) fn wrapped(text: &str, size: f32, width: f32) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     let mut line = String::new();
     for word in text.split(' ') {
-        let longer = if line.is_empty() { word.to_owned() } else { format!("{line} {word}") };
+        let longer = if line.is_empty() {
+            word.to_owned()
+        } else {
+            format!("{line} {word}")
+        };
         if !line.is_empty() && text_width(&longer, size) > width {
             lines.push(std::mem::replace(&mut line, word.to_owned()));
         } else {
@@ -104,9 +148,17 @@ pub(super) fn shortened(text: &str, size: f32, width: f32) -> String {
     let chars: Vec<char> = text.chars().collect();
     let cut = |keep: usize| -> String {
         let (head, tail) = (keep.div_ceil(2), keep / 2);
-        chars[..head].iter().chain(&['…']).chain(&chars[chars.len() - tail..]).collect()
+        chars[..head]
+            .iter()
+            .chain(&['…'])
+            .chain(&chars[chars.len() - tail..])
+            .collect()
     };
-    (0..chars.len()).rev().map(cut).find(|text| text_width(text, size) <= width).unwrap_or_default()
+    (0..chars.len())
+        .rev()
+        .map(cut)
+        .find(|text| text_width(text, size) <= width)
+        .unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -126,7 +178,10 @@ mod tests {
     #[test]
     fn long_names_keep_both_ends() {
         let short = shortened("a_very_long_scene_name_that_goes_on.exr", 12.0, 120.0);
-        assert!(short.starts_with("a_v") && short.ends_with(".exr") && short.contains('…'), "{short}");
+        assert!(
+            short.starts_with("a_v") && short.ends_with(".exr") && short.contains('…'),
+            "{short}"
+        );
         assert_eq!(shortened("a.exr", 12.0, 120.0), "a.exr");
     }
 

@@ -6,9 +6,9 @@
 use stokes::StokesVector;
 
 use super::drawing::{Item, Rgb};
+use super::measure::percentile;
 use super::page::Legend;
 use super::paint::{Scene, percent, plain, round_up};
-use super::measure::percentile;
 
 /// What lies over the intensity, and what explains it.
 pub(super) struct Overlay {
@@ -19,6 +19,8 @@ pub(super) struct Overlay {
 
 /// Ellipses flatter than this (minor over major axis) are lines: χ below 2°.
 const FLAT: f64 = 0.035;
+/// Ellipses of full size have at least this degree: noise is not blown up.
+const LEAST_FULL_SIZE: f64 = 0.02;
 /// Distance of ellipses in picture pixels where none is asked for.
 const COMFORTABLE: f64 = 30.0;
 const LINEAR: Rgb = [255, 255, 255];
@@ -28,16 +30,23 @@ const HALO: Rgb = [12, 14, 20];
 pub(super) fn overlay(scene: &Scene<'_>) -> Overlay {
     let m = &scene.measured;
     // large pictures have larger ellipses, so that they survive being shown small
-    let comfortable = COMFORTABLE * ((m.width.max(m.height) * scene.scale) as f64 / 800.0).max(1.0);
-    let spacing = scene.options.ellipse_spacing.unwrap_or(((comfortable / scene.scale as f64).round() as usize).max(1));
+    let page = (m.width.max(m.height) * scene.scale) as f64;
+    let comfortable = COMFORTABLE * (page / 800.0).max(1.0).sqrt();
+    let spacing = scene
+        .options
+        .ellipse_spacing
+        .unwrap_or(((comfortable / scene.scale as f64).round() as usize).max(1));
     let squares = squares(scene, spacing);
-    let degrees = squares.iter().map(|(_, s)| s.degree_of_polarization()).collect();
-    let reference = round_up(percentile(degrees, 0.98).unwrap_or(1.0)).clamp(0.001, 1.0);
-    let longest = 0.94 * (spacing * scene.scale) as f64;
+    let degrees = squares
+        .iter()
+        .map(|(_, s)| s.degree_of_polarization())
+        .collect();
+    let reference = round_up(percentile(degrees, 0.98).unwrap_or(1.0)).clamp(LEAST_FULL_SIZE, 1.0);
+    let longest = 0.82 * (spacing * scene.scale) as f64;
     let pen = Pen {
         longest,
         reference,
-        width: (0.062 * longest).clamp(1.2, 6.0) as f32,
+        width: (0.075 * longest).clamp(1.2, 6.0) as f32,
         right: scene.options.handedness_colours.right(),
         left: scene.options.handedness_colours.left(),
     };
@@ -50,7 +59,10 @@ pub(super) fn overlay(scene: &Scene<'_>) -> Overlay {
     Overlay {
         items,
         legends: vec![
-            Legend::Length((longest * 0.999) as f32, format!("major axis at DoP {}", plain(reference))),
+            Legend::Length(
+                (longest * 0.999) as f32,
+                format!("major axis at DoP {}", plain(reference)),
+            ),
             Legend::Stroke(LINEAR, "linear (|χ| < 2°)".to_owned()),
             Legend::Stroke(pen.right, "right-handed ↻ (S3 > 0)".to_owned()),
             Legend::Stroke(pen.left, "left-handed ↺ (S3 < 0)".to_owned()),
@@ -76,7 +88,9 @@ fn squares(scene: &Scene<'_>, spacing: usize) -> Vec<([f64; 2], StokesVector)> {
             let pixels = (y0..y1).flat_map(|y| (x0..x1).map(move |x| y * m.width + x));
             let bright: Vec<usize> = pixels.filter(|&p| !m.masked[p]).collect();
             if 2 * bright.len() >= (x1 - x0) * (y1 - y0) {
-                let sum = bright.iter().fold(StokesVector::DARK, |sum, &p| sum + m.stokes[p]);
+                let sum = bright
+                    .iter()
+                    .fold(StokesVector::DARK, |sum, &p| sum + m.stokes[p]);
                 out.push(([(x0 + x1) as f64 / 2.0, (y0 + y1) as f64 / 2.0], sum));
             }
         }
@@ -100,9 +114,18 @@ impl Pen {
         if major < f64::from(self.width) {
             return false;
         }
-        let flatness = if ellipse.semi_major > 0.0 { ellipse.semi_minor / ellipse.semi_major } else { 0.0 };
+        let flatness = if ellipse.semi_major > 0.0 {
+            ellipse.semi_minor / ellipse.semi_major
+        } else {
+            0.0
+        };
         // rows go down, angles count upwards
-        let angle = -ellipse.orientation;
+        // the axes of a circle are noise: a fixed direction keeps the arrows in line
+        let angle = if flatness > 0.95 {
+            0.0
+        } else {
+            -ellipse.orientation
+        };
         let (sin, cos) = angle.sin_cos();
         let along = |t: f64| [centre[0] + (t * cos) as f32, centre[1] + (t * sin) as f32];
         let colour = if flatness < FLAT {
@@ -114,13 +137,24 @@ impl Pen {
         };
         for (colour, width) in [(HALO, 2.1 * self.width), (colour, self.width)] {
             items.push(if flatness < FLAT {
-                Item::Line { from: along(-major), to: along(major), colour, width }
+                Item::Line {
+                    from: along(-major),
+                    to: along(major),
+                    colour,
+                    width,
+                }
             } else {
                 let radii = [major as f32, (major * flatness) as f32];
-                Item::Ellipse { centre, radii, angle: angle as f32, colour, width }
+                Item::Ellipse {
+                    centre,
+                    radii,
+                    angle: angle as f32,
+                    colour,
+                    width,
+                }
             });
         }
-        if flatness * major > 2.5 * f64::from(self.width) {
+        if flatness * major > 3.5 * f64::from(self.width) {
             items.push(self.arrow(along(major), angle, s.s3() > 0.0, colour));
         }
         true
@@ -131,12 +165,18 @@ impl Pen {
         let (sin, cos) = angle.sin_cos();
         // clockwise on the page, with y downwards, is the direction of growing angle
         let way = if clockwise { 1.0 } else { -1.0 };
-        let size = 2.4 * f64::from(self.width);
+        let size = 2.0 * f64::from(self.width);
         let point = |forward: f64, out: f64| {
-            let (x, y) = (way * forward * -sin + out * cos, way * forward * cos + out * sin);
+            let (x, y) = (
+                way * forward * -sin + out * cos,
+                way * forward * cos + out * sin,
+            );
             [at[0] + (size * x) as f32, at[1] + (size * y) as f32]
         };
-        Item::Polygon { points: vec![point(1.0, 0.0), point(-0.6, 0.9), point(-0.6, -0.9)], colour }
+        Item::Polygon {
+            points: vec![point(1.0, 0.0), point(-0.6, 0.9), point(-0.6, -0.9)],
+            colour,
+        }
     }
 }
 
@@ -156,10 +196,18 @@ mod tests {
     fn diagonal_light_is_a_line_to_the_upper_right() {
         let mut items = Vec::new();
         assert!(PEN.draw(&mut items, [100.0, 100.0], &StokesVector::DIAGONAL));
-        let Item::Line { from, to, colour, .. } = &items[1] else { panic!("a line") };
+        let Item::Line {
+            from, to, colour, ..
+        } = &items[1]
+        else {
+            panic!("a line")
+        };
         assert_eq!(*colour, LINEAR);
         let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
-        assert!(dx * dy < 0.0 && (dx.abs() - dy.abs()).abs() < 1e-3, "rows go down: {dx} {dy}");
+        assert!(
+            dx * dy < 0.0 && (dx.abs() - dy.abs()).abs() < 1e-3,
+            "rows go down: {dx} {dy}"
+        );
         assert!((dx.hypot(dy) - 40.0).abs() < 1e-3);
     }
 
@@ -167,14 +215,20 @@ mod tests {
     fn right_circular_light_turns_clockwise_on_the_page() {
         let mut items = Vec::new();
         assert!(PEN.draw(&mut items, [0.0, 0.0], &StokesVector::RIGHT_CIRCULAR));
-        let Item::Ellipse { radii, colour, .. } = &items[1] else { panic!("an ellipse") };
+        let Item::Ellipse { radii, colour, .. } = &items[1] else {
+            panic!("an ellipse")
+        };
         assert_eq!((radii[0], radii[1], *colour), (20.0, 20.0, PEN.right));
-        let Item::Polygon { points, .. } = &items[2] else { panic!("an arrow") };
+        let Item::Polygon { points, .. } = &items[2] else {
+            panic!("an arrow")
+        };
         // at the right end, clockwise is downwards: y grows
         assert!(points[0][1] > 0.0);
         let mut items = Vec::new();
         assert!(PEN.draw(&mut items, [0.0, 0.0], &StokesVector::LEFT_CIRCULAR));
-        let Item::Polygon { points, colour } = &items[2] else { panic!("an arrow") };
+        let Item::Polygon { points, colour } = &items[2] else {
+            panic!("an arrow")
+        };
         assert!(points[0][1] < 0.0 && *colour == PEN.left);
     }
 

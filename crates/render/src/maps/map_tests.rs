@@ -5,7 +5,14 @@ use crate::image::Colour;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 fn image(pixels: &[[f32; 4]], width: usize) -> StokesImage {
-    let mut image = StokesImage::new(width, pixels.len() / width, 4, Colour::Mono { wavelength_nm: None });
+    let mut image = StokesImage::new(
+        width,
+        pixels.len() / width,
+        4,
+        Colour::Mono {
+            wavelength_nm: None,
+        },
+    );
     image.stokes = pixels.as_flattened().to_vec();
     image
 }
@@ -45,7 +52,10 @@ fn known_states_have_known_numbers() {
     ];
     for (name, numbers) in expected {
         for (pixel, number) in numbers.into_iter().enumerate() {
-            assert!((value(name, pixel) - number).abs() < 1e-15, "{name} {pixel}");
+            assert!(
+                (value(name, pixel) - number).abs() < 1e-15,
+                "{name} {pixel}"
+            );
         }
     }
 }
@@ -62,9 +72,14 @@ fn every_map_is_written_and_named_in_the_side_car() {
     // a picture per map, numbers for all but the ellipses, one SVG, the side-car
     assert_eq!(report.files.len(), 12 + 11 + 1 + 1);
     for path in &report.files {
-        assert!(std::fs::metadata(path).unwrap().len() > 100, "{}", path.display());
+        assert!(
+            std::fs::metadata(path).unwrap().len() > 100,
+            "{}",
+            path.display()
+        );
     }
-    let json: serde_json::Value = serde_json::from_slice(&std::fs::read(target.join("a <&> b_maps.json")).unwrap()).unwrap();
+    let json: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(target.join("a <&> b_maps.json")).unwrap()).unwrap();
     assert_eq!(json["maps"].as_array().unwrap().len(), 12);
     assert_eq!(json["statistics"]["dop_above_one_share"], 0.0);
     assert_eq!(json["maps"][5]["limits"], serde_json::json!([0.0, 1.0]));
@@ -90,7 +105,14 @@ fn strange_images_are_drawn_without_panic() {
     let options = MapOptions::default();
     let black = StokesImage::new(1, 1, 4, Colour::Rgb);
     let nan = image(&[[f32::NAN; 4], [f32::INFINITY; 4]], 1);
-    let wide = StokesImage::new(900, 1, 4, Colour::Mono { wavelength_nm: None });
+    let wide = StokesImage::new(
+        900,
+        1,
+        4,
+        Colour::Mono {
+            wavelength_nm: None,
+        },
+    );
     let negative = image(&[[-1.0, 2.0, 0.0, 0.0]], 1);
     for (i, image) in [black, nan, wide, negative].iter().enumerate() {
         write_all(image, &options, folder.path(), &format!("strange{i}")).unwrap();
@@ -100,7 +122,11 @@ fn strange_images_are_drawn_without_panic() {
 #[test]
 fn wrong_requests_are_explained() {
     let folder = tempfile::tempdir().unwrap();
-    let ask = |image: &StokesImage, options: MapOptions| write_all(image, &options, folder.path(), "a").unwrap_err().to_string();
+    let ask = |image: &StokesImage, options: MapOptions| {
+        write_all(image, &options, folder.path(), "a")
+            .unwrap_err()
+            .to_string()
+    };
     let named = |name: &str| MapOptions {
         maps: vec![name.to_owned()],
         ..MapOptions::default()

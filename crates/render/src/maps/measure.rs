@@ -27,7 +27,11 @@ impl std::str::FromStr for ColourChoice {
             "r" => Self::Index(0),
             "g" => Self::Index(1),
             "b" => Self::Index(2),
-            other => Self::Index(other.parse().map_err(|_| "expected luminance, r, g, b or the number of a band".to_owned())?),
+            other => {
+                Self::Index(other.parse().map_err(|_| {
+                    "expected luminance, r, g, b or the number of a band".to_owned()
+                })?)
+            }
         })
     }
 }
@@ -65,12 +69,18 @@ pub struct Statistics {
 
 impl Measured {
     /// Takes one colour of an image and masks what is darker than `relative` times its mean S0.
-    pub(super) fn new(image: &StokesImage, choice: ColourChoice, relative: f64) -> Result<Self, ImageError> {
+    pub(super) fn new(
+        image: &StokesImage,
+        choice: ColourChoice,
+        relative: f64,
+    ) -> Result<Self, ImageError> {
         if let Some(problem) = image.inconsistency() {
             return Err(ImageError::Request(problem));
         }
         if !(relative.is_finite() && relative >= 0.0) {
-            return Err(ImageError::Request(format!("the threshold is {relative}, expected a number from 0 upwards")));
+            return Err(ImageError::Request(format!(
+                "the threshold is {relative}, expected a number from 0 upwards"
+            )));
         }
         let weights = weights(&image.colour, choice)?;
         let pixels = || (0..image.width * image.height).map(|i| (i % image.width, i / image.width));
@@ -82,13 +92,25 @@ impl Measured {
             .collect();
         let errors = image.variance.is_some().then(|| {
             // colours of a pixel come from the same paths: their errors may add up, at worst
-            let error = |x, y, c| image.variance_at(x, y, c).unwrap_or_default().map(|v| v.max(0.0).sqrt());
-            pixels().map(|(x, y)| weighted(&weights, |colour| error(x, y, colour))).collect()
+            let error = |x, y, c| {
+                image
+                    .variance_at(x, y, c)
+                    .unwrap_or_default()
+                    .map(|v| v.max(0.0).sqrt())
+            };
+            pixels()
+                .map(|(x, y)| weighted(&weights, |colour| error(x, y, colour)))
+                .collect()
         });
-        let finite = stokes.iter().map(StokesVector::s0).filter(|s| s.is_finite());
+        let finite = stokes
+            .iter()
+            .map(StokesVector::s0)
+            .filter(|s| s.is_finite());
         let (count, sum) = finite.fold((0_usize, 0.0), |(n, sum), s| (n + 1, sum + s));
         let threshold = relative * (sum / count.max(1) as f64).max(0.0);
-        let dark = |s: &StokesVector| !(s.s0() > 0.0 && s.s0() >= threshold && s.to_array().iter().all(|v| v.is_finite()));
+        let dark = |s: &StokesVector| {
+            !(s.s0() > 0.0 && s.s0() >= threshold && s.to_array().iter().all(|v| v.is_finite()))
+        };
         Ok(Self {
             width: image.width,
             height: image.height,
@@ -102,18 +124,34 @@ impl Measured {
 
     /// Stokes vectors of the pixels that are not masked, with their index.
     pub(super) fn bright(&self) -> impl Iterator<Item = (usize, &StokesVector)> {
-        self.stokes.iter().enumerate().filter(|(i, _)| !self.masked[*i])
+        self.stokes
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| !self.masked[*i])
     }
 
     /// Root mean square noise of the components `from..4` of a pixel; 0 where unknown.
     pub(super) fn noise(&self, pixel: usize, components: std::ops::Range<usize>) -> f64 {
-        self.errors.as_ref().map_or(0.0, |errors| errors[pixel][components].iter().map(|e| e * e).sum::<f64>().sqrt())
+        self.errors.as_ref().map_or(0.0, |errors| {
+            errors[pixel][components]
+                .iter()
+                .map(|e| e * e)
+                .sum::<f64>()
+                .sqrt()
+        })
     }
 
     pub(super) fn statistics(&self) -> Statistics {
-        let dop: Vec<f64> = self.bright().map(|(_, s)| s.degree_of_polarization()).collect();
+        let dop: Vec<f64> = self
+            .bright()
+            .map(|(_, s)| s.degree_of_polarization())
+            .collect();
         let n = dop.len().max(1) as f64;
-        let noise = self.errors.as_ref().map(|_| self.bright().map(|(i, s)| self.noise(i, 1..4) / s.s0()).collect());
+        let noise = self.errors.as_ref().map(|_| {
+            self.bright()
+                .map(|(i, s)| self.noise(i, 1..4) / s.s0())
+                .collect()
+        });
         Statistics {
             masked_share: 1.0 - dop.len() as f64 / self.stokes.len() as f64,
             dop_above_one_share: dop.iter().filter(|&&d| d > 1.0 + ROUND_OFF).count() as f64 / n,
@@ -126,9 +164,9 @@ impl Measured {
 fn weights(colour: &Colour, choice: ColourChoice) -> Result<Vec<f64>, ImageError> {
     match choice {
         ColourChoice::Luminance => Ok(display::luminance_weights(colour)),
-        ColourChoice::Index(index) if index < colour.count() => {
-            Ok((0..colour.count()).map(|i| f64::from(u8::from(i == index))).collect())
-        }
+        ColourChoice::Index(index) if index < colour.count() => Ok((0..colour.count())
+            .map(|i| f64::from(u8::from(i == index)))
+            .collect()),
         ColourChoice::Index(index) => Err(ImageError::Request(format!(
             "colour {index} was asked for, the image has {} (0 to {}); give --colour luminance or a smaller number",
             colour.count(),
@@ -141,7 +179,9 @@ fn colour_name(colour: &Colour, choice: ColourChoice) -> String {
     match (colour, choice) {
         (Colour::Mono { .. }, _) => colour.name(0),
         (Colour::Rgb, ColourChoice::Luminance) => "luminance of RGB".to_owned(),
-        (Colour::Bands { .. }, ColourChoice::Luminance) => format!("luminance of {} bands", colour.count()),
+        (Colour::Bands { .. }, ColourChoice::Luminance) => {
+            format!("luminance of {} bands", colour.count())
+        }
         (_, ColourChoice::Index(index)) => colour.name(index),
     }
 }
@@ -171,15 +211,30 @@ mod tests {
     use super::*;
 
     fn image(pixels: &[[f32; 4]]) -> StokesImage {
-        let mut image = StokesImage::new(pixels.len(), 1, 4, Colour::Mono { wavelength_nm: None });
+        let mut image = StokesImage::new(
+            pixels.len(),
+            1,
+            4,
+            Colour::Mono {
+                wavelength_nm: None,
+            },
+        );
         image.stokes = pixels.as_flattened().to_vec();
         image
     }
 
     #[test]
     fn the_share_above_one_is_counted_among_bright_pixels() {
-        let image = image(&[[1.0, 1.0, 0.0, 0.0], [1.0, 0.9, 0.9, 0.0], [1.0, 0.0, 0.0, 0.5], [1e-4, 1.0, 0.0, 0.0], [0.0; 4]]);
-        let found = Measured::new(&image, ColourChoice::Luminance, 0.01).unwrap().statistics();
+        let image = image(&[
+            [1.0, 1.0, 0.0, 0.0],
+            [1.0, 0.9, 0.9, 0.0],
+            [1.0, 0.0, 0.0, 0.5],
+            [1e-4, 1.0, 0.0, 0.0],
+            [0.0; 4],
+        ]);
+        let found = Measured::new(&image, ColourChoice::Luminance, 0.01)
+            .unwrap()
+            .statistics();
         assert!((found.masked_share - 0.4).abs() < 1e-12);
         assert!((found.dop_above_one_share - 1.0 / 3.0).abs() < 1e-12);
         assert!((found.greatest_dop - 0.9 * 2f64.sqrt()).abs() < 1e-6);
@@ -188,7 +243,12 @@ mod tests {
 
     #[test]
     fn black_and_broken_pixels_are_always_masked() {
-        let image = image(&[[0.0; 4], [f32::NAN, 0.0, 0.0, 0.0], [1.0, f32::INFINITY, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]);
+        let image = image(&[
+            [0.0; 4],
+            [f32::NAN, 0.0, 0.0, 0.0],
+            [1.0, f32::INFINITY, 0.0, 0.0],
+            [1.0, 0.0, 0.0, 0.0],
+        ]);
         let measured = Measured::new(&image, ColourChoice::Luminance, 0.0).unwrap();
         assert_eq!(measured.masked, [true, true, true, false]);
     }
@@ -197,7 +257,9 @@ mod tests {
     fn noise_of_unpolarized_light_is_stated() {
         let mut image = image(&[[2.0, 0.0, 0.0, 0.0]]);
         image.variance = Some(vec![9.0, 0.01, 0.02, 0.01]);
-        let found = Measured::new(&image, ColourChoice::Luminance, 0.01).unwrap().statistics();
+        let found = Measured::new(&image, ColourChoice::Luminance, 0.01)
+            .unwrap()
+            .statistics();
         assert!((found.dop_of_noise.unwrap() - 0.1).abs() < 1e-7);
     }
 
@@ -205,11 +267,18 @@ mod tests {
     fn colours_are_chosen_by_letter_number_or_luminance() {
         let mut image = StokesImage::new(1, 1, 4, Colour::Rgb);
         image.stokes[..3].copy_from_slice(&[1.0, 2.0, 3.0]);
-        let s0 = |text: &str| Measured::new(&image, text.parse().unwrap(), 0.0).unwrap().stokes[0].s0();
+        let s0 = |text: &str| {
+            Measured::new(&image, text.parse().unwrap(), 0.0)
+                .unwrap()
+                .stokes[0]
+                .s0()
+        };
         assert_eq!((s0("g"), s0("2")), (2.0, 3.0));
         assert!((s0("luminance") - (0.2126 + 2.0 * 0.7152 + 3.0 * 0.0722)).abs() < 1e-12);
         assert!("x".parse::<ColourChoice>().is_err());
-        let error = Measured::new(&image, ColourChoice::Index(3), 0.0).unwrap_err().to_string();
+        let error = Measured::new(&image, ColourChoice::Index(3), 0.0)
+            .unwrap_err()
+            .to_string();
         assert!(error.contains("the image has 3 (0 to 2)"), "{error}");
     }
 }

@@ -58,6 +58,8 @@ enum Range {
     Fixed(f64, f64),
     /// Symmetric about zero, as wide as the image needs, at most 1.
     Symmetric,
+    /// From zero to what the image needs, at most 1.
+    Degree,
 }
 
 /// How numbers become colours.
@@ -90,7 +92,11 @@ const CHI: Observable = StokesVector::ellipticity_angle;
 const FULL: f64 = std::f64::consts::FRAC_PI_4;
 
 fn per_s0(component: f64, s: &StokesVector) -> f64 {
-    if s.s0() > 0.0 { component / s.s0() } else { 0.0 }
+    if s.s0() > 0.0 {
+        component / s.s0()
+    } else {
+        0.0
+    }
 }
 
 /// All maps, in the order in which they are made.
@@ -105,9 +111,9 @@ pub static TABLE: [Map; 12] = [
     Map { name: "s3", title: "Right minus left circular", formula: "S3/S0", channels: &["s3"], unit: "1",
           range: Range::Symmetric, style: Style::Diverging, planes: &[|s| per_s0(s.s3(), s)], needs: None },
     Map { name: "dop", title: "Degree of polarization", formula: "DoP = √(S1² + S2² + S3²)/S0", channels: &["dop"], unit: "1",
-          range: Range::Fixed(0.0, 1.0), style: Style::Sequential, planes: &[DOP], needs: None },
+          range: Range::Degree, style: Style::Sequential, planes: &[DOP], needs: None },
     Map { name: "dolp", title: "Degree of linear polarization", formula: "DoLP = √(S1² + S2²)/S0", channels: &["dolp"], unit: "1",
-          range: Range::Fixed(0.0, 1.0), style: Style::Sequential, planes: &[DOLP], needs: None },
+          range: Range::Degree, style: Style::Sequential, planes: &[DOLP], needs: None },
     Map { name: "docp", title: "Degree of circular polarization", formula: "DoCP = S3/S0, positive right-handed", channels: &["docp"], unit: "1",
           range: Range::Symmetric, style: Style::Handed, planes: &[StokesVector::degree_of_circular_polarization], needs: None },
     Map { name: "aolp", title: "Angle of linear polarization", formula: "AoLP = ½ atan2(S2, S1)", channels: &["aolp"], unit: "rad",
@@ -139,7 +145,7 @@ pub struct MapOptions {
     pub exposure: Option<f64>,
     /// Write the maps' numbers as `.npy` beside the pictures.
     pub data: bool,
-    /// Span −1 to 1 where the range would follow the image.
+    /// Span the possible numbers, 0 or −1 to 1, where the colours would follow the image.
     pub full_range: bool,
 }
 
@@ -164,7 +170,12 @@ impl Default for MapOptions {
 ///
 /// # Errors
 /// A map's name is unknown or the image cannot have it, an option does not fit the image, or a file cannot be written.
-pub fn write_all(image: &StokesImage, options: &MapOptions, folder: &Path, stem: &str) -> Result<MapReport, ImageError> {
+pub fn write_all(
+    image: &StokesImage,
+    options: &MapOptions,
+    folder: &Path,
+    stem: &str,
+) -> Result<MapReport, ImageError> {
     let maps = chosen(image, &options.maps)?;
     let scene = paint::Scene::new(image, options, stem)?;
     std::fs::create_dir_all(folder).map_err(|source| ImageError::Write {
@@ -180,9 +191,15 @@ pub fn write_all(image: &StokesImage, options: &MapOptions, folder: &Path, stem:
             report.files.push(path.clone());
             Ok(path)
         };
-        row.file = report::file_name(&save("png", &raster::png(&drawing).map_err(ImageError::Request)?)?);
+        row.file = report::file_name(&save(
+            "png",
+            &raster::png(&drawing).map_err(ImageError::Request)?,
+        )?);
         if map.style == Style::Ellipses {
-            save("svg", svg::svg(&drawing).map_err(ImageError::Request)?.as_bytes())?;
+            save(
+                "svg",
+                svg::svg(&drawing).map_err(ImageError::Request)?.as_bytes(),
+            )?;
         } else if options.data {
             let path = folder.join(format!("{stem}_{}.npy", map.name));
             let (shape, values) = scene.data(map);
@@ -193,7 +210,8 @@ pub fn write_all(image: &StokesImage, options: &MapOptions, folder: &Path, stem:
         report.maps.push(row);
     }
     let path = folder.join(format!("{stem}_maps.json"));
-    let json = serde_json::to_string_pretty(&report).map_err(|e| ImageError::content(&path, e.to_string()))?;
+    let json = serde_json::to_string_pretty(&report)
+        .map_err(|e| ImageError::content(&path, e.to_string()))?;
     output::write_atomically(&path, (json + "\n").as_bytes())?;
     report.files.push(path);
     Ok(report)
@@ -208,14 +226,23 @@ fn chosen(image: &StokesImage, names: &[String]) -> Result<Vec<&'static Map>, Im
     let find = |name: &String| {
         let map = TABLE.iter().find(|map| map.name == name).ok_or_else(|| {
             let known: Vec<&str> = TABLE.iter().map(|map| map.name).collect();
-            let near = known.iter().max_by(|a, b| strsim::jaro(a, name).total_cmp(&strsim::jaro(b, name)));
-            let near = near.filter(|near| strsim::jaro(near, name) > 0.7).map_or_else(String::new, |n| format!("; did you mean '{n}'?"));
-            ImageError::Request(format!("unknown map '{name}', expected some of {}{near}", known.join(",")))
+            let near = known
+                .iter()
+                .max_by(|a, b| strsim::jaro(a, name).total_cmp(&strsim::jaro(b, name)));
+            let near = near
+                .filter(|near| strsim::jaro(near, name) > 0.7)
+                .map_or_else(String::new, |n| format!("; did you mean '{n}'?"));
+            ImageError::Request(format!(
+                "unknown map '{name}', expected some of {}{near}",
+                known.join(",")
+            ))
         })?;
         if possible(map) {
             Ok(map)
         } else {
-            Err(ImageError::Request(format!("the image has S0 only, map '{name}' needs S1 to S3; render it without --unpolarized")))
+            Err(ImageError::Request(format!(
+                "the image has S0 only, map '{name}' needs S1 to S3; render it without --unpolarized"
+            )))
         }
     };
     names.iter().map(find).collect()

@@ -7,7 +7,7 @@ use super::drawing::{Drawing, Picture, Rgb};
 use super::measure::{Measured, Statistics, percentile};
 use super::page::{Legend, Page};
 use super::report::{FRAME, HANDEDNESS, MapReport, MapRow};
-use super::{FULL, LEAST_DEGREE, Map, MapOptions, Needs, Range, Style, ellipses};
+use super::{FULL, LEAST_DEGREE, Map, MapOptions, Needs, Observable, Range, Style, ellipses};
 use crate::image::StokesImage;
 use crate::output::{ImageError, display};
 
@@ -27,20 +27,37 @@ pub(super) struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
-    pub(super) fn new(image: &StokesImage, options: &'a MapOptions, stem: &'a str) -> Result<Self, ImageError> {
-        if options.exposure.is_some_and(|e| !(e.is_finite() && e > 0.0)) {
-            return Err(ImageError::Request("the exposure must be a positive number".to_owned()));
+    pub(super) fn new(
+        image: &StokesImage,
+        options: &'a MapOptions,
+        stem: &'a str,
+    ) -> Result<Self, ImageError> {
+        if options
+            .exposure
+            .is_some_and(|e| !(e.is_finite() && e > 0.0))
+        {
+            return Err(ImageError::Request(
+                "the exposure must be a positive number".to_owned(),
+            ));
         }
         if options.ellipse_spacing == Some(0) {
-            return Err(ImageError::Request("the distance of ellipses is 0 pixels, expected 1 or more".to_owned()));
+            return Err(ImageError::Request(
+                "the distance of ellipses is 0 pixels, expected 1 or more".to_owned(),
+            ));
         }
         let measured = Measured::new(image, options.colour, options.threshold)?;
         let intensity = match options.colour {
             super::ColourChoice::Luminance => display::intensity_rgb(image),
             super::ColourChoice::Index(index) => std::array::from_fn(|_| image.plane(0, index)),
         };
-        let bright = measured.stokes.iter().map(StokesVector::s0).filter(|s| *s > 0.0).collect();
-        let white = percentile(bright, 0.98).map_or(1.0, |p| p / 0.8);
+        let bright = measured
+            .stokes
+            .iter()
+            .map(StokesVector::s0)
+            .filter(|s| *s > 0.0)
+            .collect();
+        // nineteen twentieths of the picture below four fifths of white: lamps may burn out, the rest is seen
+        let white = percentile(bright, 0.95).map_or(1.0, |p| two_digits(p / 0.8));
         let longest = image.width.max(image.height);
         Ok(Self {
             statistics: measured.statistics(),
@@ -74,7 +91,9 @@ impl<'a> Scene<'a> {
     /// Draws one map; the row lacks only the names of files.
     pub(super) fn draw(&self, map: &'static Map) -> (Drawing, MapRow) {
         let limits = self.limits(map);
-        let clipped = limits.filter(|_| map.range != Range::Tone).map(|limits| self.clipped(map, limits));
+        let clipped = limits
+            .filter(|_| map.range != Range::Tone)
+            .map(|limits| self.clipped(map, limits));
         let mut page = Page {
             title: map.title.to_owned(),
             subtitle: self.subtitle(map),
@@ -99,6 +118,7 @@ impl<'a> Scene<'a> {
             channels: map.channels,
             unit: map.unit,
             limits: limits.map(|(low, high)| [low, high]),
+            full_brightness: self.full_brightness(map),
             clipped_share: clipped,
         };
         (page.layout(), row)
@@ -113,7 +133,13 @@ impl<'a> Scene<'a> {
         }
         let numbers = |pixel: usize| {
             let shown = self.shown(map, pixel);
-            map.planes.iter().map(move |plane| if shown { plane(&m.stokes[pixel]) as f32 } else { f32::NAN })
+            map.planes.iter().map(move |plane| {
+                if shown {
+                    plane(&m.stokes[pixel]) as f32
+                } else {
+                    f32::NAN
+                }
+            })
         };
         (shape, (0..m.stokes.len()).flat_map(numbers).collect())
     }
@@ -122,7 +148,9 @@ impl<'a> Scene<'a> {
     fn shown(&self, map: &Map, pixel: usize) -> bool {
         let m = &self.measured;
         let s = &m.stokes[pixel];
-        let above = |part: f64, components| part >= LEAST_DEGREE * s.s0() && part >= 2.0 * m.noise(pixel, components);
+        let above = |part: f64, components| {
+            part >= LEAST_DEGREE * s.s0() && part >= 2.0 * m.noise(pixel, components)
+        };
         map.style == Style::Tone
             || !m.masked[pixel]
                 && match map.needs {
@@ -137,13 +165,30 @@ impl<'a> Scene<'a> {
             Range::Tone if map.style == Style::Ellipses => return None,
             Range::Tone => (0.0, 1.0 / self.exposure),
             Range::Fixed(low, high) => (low, high),
-            Range::Symmetric if self.options.full_range => (-1.0, 1.0),
+            Range::Degree => (0.0, self.widest(map.planes[0])),
             Range::Symmetric => {
-                let sizes = self.measured.bright().map(|(_, s)| map.planes[0](s).abs()).collect();
-                let wide = round_up(percentile(sizes, 0.995).unwrap_or(0.0)).clamp(0.01, 1.0);
+                let wide = self.widest(map.planes[0]);
                 (-wide, wide)
             }
         })
+    }
+
+    /// A round number that all but a few pixels stay below, at most 1.
+    fn widest(&self, observable: Observable) -> f64 {
+        if self.options.full_range {
+            return 1.0;
+        }
+        let sizes = self
+            .measured
+            .bright()
+            .map(|(_, s)| observable(s).abs())
+            .collect();
+        round_up(percentile(sizes, 0.995).unwrap_or(0.0)).clamp(0.01, 1.0)
+    }
+
+    /// The degree that is shown at full brightness, for maps that show one so.
+    fn full_brightness(&self, map: &Map) -> Option<f64> {
+        map.planes.get(1).map(|&degree| self.widest(degree))
     }
 
     fn clipped(&self, map: &Map, (low, high): (f64, f64)) -> f64 {
@@ -165,13 +210,20 @@ impl<'a> Scene<'a> {
             return Picture::from_fn(w, h, |x, y| self.tone(y * w + x));
         }
         let (low, high) = limits.unwrap_or((0.0, 1.0));
+        let full = self.full_brightness(map).unwrap_or(1.0);
         let colour = |pixel: usize| {
             self.shown(map, pixel).then(|| {
                 let s = &self.measured.stokes[pixel];
-                let weight = map.planes.get(1).map_or(1.0, |plane| plane(s));
+                let weight = map.planes.get(1).map_or(1.0, |degree| degree(s) / full);
                 match map.style {
                     Style::Tone | Style::Ellipses => self.tone(pixel),
-                    _ => styled(map.style, map.planes[0](s), (low, high), weight, self.options.handedness_colours),
+                    _ => styled(
+                        map.style,
+                        map.planes[0](s),
+                        (low, high),
+                        weight,
+                        self.options.handedness_colours,
+                    ),
                 }
             })
         };
@@ -191,14 +243,24 @@ impl<'a> Scene<'a> {
         let (low, high) = limits.unwrap_or((0.0, 1.0));
         let hands = self.options.handedness_colours;
         let degrees = map.unit == "rad";
+        let full = plain(self.full_brightness(map).unwrap_or(1.0));
         let bar = |title: &str| {
-            let colour = |t: f64| styled(map.style, low + t * (high - low), (low, high), 1.0, hands);
+            let colour =
+                |t: f64| styled(map.style, low + t * (high - low), (low, high), 1.0, hands);
+            let steps = if map.style == Style::Tone { 2 } else { 4 };
             let tick = |i: usize| {
-                let t = i as f64 / 4.0;
+                let t = i as f64 / steps as f64;
                 let value = low + t * (high - low);
-                (t, if degrees { format!("{}°", plain(value.to_degrees())) } else { plain(value) })
+                (
+                    t,
+                    if degrees {
+                        format!("{}°", plain(value.to_degrees()))
+                    } else {
+                        plain(value)
+                    },
+                )
             };
-            Legend::bar(title, colour, (0..5).map(tick).collect())
+            Legend::bar(title, colour, (0..=steps).map(tick).collect())
         };
         let mut out = match map.style {
             Style::Tone => vec![bar("S0")],
@@ -209,9 +271,9 @@ impl<'a> Scene<'a> {
                 Legend::Swatch(hands.right(), "right-handed ↻ (S3 > 0)".to_owned()),
                 Legend::Swatch(hands.left(), "left-handed ↺ (S3 < 0)".to_owned()),
             ],
-            Style::Hue => vec![Legend::wheel("AoLP", |angle, _| hue(angle, 1.0), false)],
-            Style::WeightedHue => vec![Legend::wheel("AoLP × DoLP", hue, true)],
-            Style::Kind => vec![Legend::patch("|χ| and DoP", |t, degree| kind(t, degree))],
+            Style::Hue => vec![Legend::wheel("AoLP", |angle, _| hue(angle, 1.0), None)],
+            Style::WeightedHue => vec![Legend::wheel("AoLP × DoLP", hue, Some(full))],
+            Style::Kind => vec![Legend::patch("|χ| and DoP", kind, full)],
             Style::Ellipses => Vec::new(),
         };
         if (0..self.measured.stokes.len()).any(|pixel| !self.shown(map, pixel)) {
@@ -226,16 +288,30 @@ impl<'a> Scene<'a> {
 
     fn subtitle(&self, map: &Map) -> String {
         let m = &self.measured;
-        let colour = if m.colour.is_empty() { String::new() } else { format!(", {}", m.colour) };
-        let enlarged = if self.scale > 1 { format!(", shown ×{}", self.scale) } else { String::new() };
-        format!("{}  ·  {}  ·  {}×{} px{colour}{enlarged}", map.formula, self.stem, m.width, m.height)
+        let colour = if m.colour.is_empty() {
+            String::new()
+        } else {
+            format!(", {}", m.colour)
+        };
+        let enlarged = if self.scale > 1 {
+            format!(", shown ×{}", self.scale)
+        } else {
+            String::new()
+        };
+        format!(
+            "{}  ·  {}  ·  {}×{} px{colour}{enlarged}",
+            map.formula, self.stem, m.width, m.height
+        )
     }
 
     fn notes(&self, map: &Map, clipped: Option<f64>) -> Vec<String> {
         let st = &self.statistics;
         let mut out = Vec::new();
         if matches!(map.style, Style::Tone | Style::Ellipses) {
-            out.push(format!("Exposure: white is S0 = {}; sRGB tone curve.", plain(1.0 / self.exposure)));
+            out.push(format!(
+                "Exposure: white is S0 = {}; sRGB tone curve.",
+                plain(1.0 / self.exposure)
+            ));
         }
         if map.style == Style::Tone {
             return out;
@@ -247,16 +323,31 @@ impl<'a> Scene<'a> {
             percent(st.masked_share)
         );
         if let Some(needs) = map.needs {
-            let part = if needs == Needs::LinearPart { "DoLP" } else { "DoP" };
-            let noise = if self.measured.errors.is_some() { " or twice its noise" } else { "" };
+            let part = if needs == Needs::LinearPart {
+                "DoLP"
+            } else {
+                "DoP"
+            };
+            let noise = if self.measured.errors.is_some() {
+                " or twice its noise"
+            } else {
+                ""
+            };
             mask += &format!(" Angles need {part} ≥ {LEAST_DEGREE}{noise}.");
         }
         out.push(mask);
         if let Some(share) = clipped.filter(|share| *share > 0.0) {
-            out.push(format!("{} of the pixels lie beyond the scale and have the colours of its ends.", percent(share)));
+            out.push(format!(
+                "{} of the pixels lie beyond the scale and have the colours of its ends.",
+                percent(share)
+            ));
         }
         if matches!(map.name, "dop" | "dolp" | "type" | "ellipses" | "aolp-dolp") {
-            let above = format!("DoP > 1: {} of the pixels, greatest {}.", percent(st.dop_above_one_share), plain(st.greatest_dop));
+            let above = format!(
+                "DoP > 1: {} of the pixels, greatest {}.",
+                percent(st.dop_above_one_share),
+                plain(st.greatest_dop)
+            );
             out.push(format!("{above} {}", bias(st.dop_of_noise)));
         }
         match map.style {
@@ -273,13 +364,24 @@ impl<'a> Scene<'a> {
 
 fn bias(noise: Option<f64>) -> String {
     match noise {
-        Some(noise) => format!("Noise biases DoP upwards: unpolarized light would read about {} here (median).", plain(noise)),
-        None => "Noise biases DoP upwards; the file has no variances that would say by how much.".to_owned(),
+        Some(noise) if noise < 1e-4 => "Noise adds less than 0.0001 to DoP (median).".to_owned(),
+        Some(noise) => format!(
+            "Noise biases DoP upwards: unpolarized light would read about {} here (median).",
+            plain(noise)
+        ),
+        None => "Noise biases DoP upwards; the file has no variances that would say by how much."
+            .to_owned(),
     }
 }
 
 /// The colour of a number in a style.
-fn styled(style: Style, value: f64, (low, high): (f64, f64), weight: f64, hands: HandednessColours) -> Rgb {
+fn styled(
+    style: Style,
+    value: f64,
+    (low, high): (f64, f64),
+    weight: f64,
+    hands: HandednessColours,
+) -> Rgb {
     let t = (value - low) / (high - low);
     match style {
         Style::Tone | Style::Ellipses => [srgb(t); 3],
@@ -299,7 +401,22 @@ pub(super) fn round_up(value: f64) -> f64 {
     }
     let decade = 10_f64.powf(value.log10().floor());
     // dividing by whole powers keeps 0.2 at 0.2
-    [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * decade).find(|&m| value <= m * (1.0 + 1e-6)).unwrap_or(10.0 * decade)
+    [1.0, 2.0, 5.0, 10.0]
+        .into_iter()
+        .map(|m| m * decade)
+        .find(|&m| value <= m * (1.0 + 1e-6))
+        .unwrap_or(10.0 * decade)
+}
+
+/// The number rounded to two digits.
+fn two_digits(value: f64) -> f64 {
+    let step = 10_f64.powf(value.log10().floor() - 1.0);
+    let rounded = (value / step).round() * step;
+    if rounded.is_finite() && rounded > 0.0 {
+        rounded
+    } else {
+        value
+    }
 }
 
 /// A number with three digits, as short as it goes.
@@ -307,19 +424,27 @@ pub(super) fn plain(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
-    if !value.is_finite() || value.abs() >= 1e5 || value.abs() < 1e-3 {
+    if !value.is_finite() || value.abs() >= 1e5 || value.abs() < 1e-5 {
         return format!("{value:.2e}").replace('-', "−");
     }
     let decimals = (2 - value.abs().log10().floor() as i32).max(0) as usize;
     let text = format!("{value:.decimals$}");
-    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    let text = if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        &text
+    };
     text.replace('-', "−")
 }
 
 /// A share in percent; small ones are not rounded to nothing.
 pub(super) fn percent(share: f64) -> String {
     let value = 100.0 * share;
-    if value > 0.0 && value < 0.01 { "under 0.01 %".to_owned() } else { format!("{} %", plain((value * 100.0).round() / 100.0)) }
+    if value > 0.0 && value < 0.01 {
+        "under 0.01 %".to_owned()
+    } else {
+        format!("{} %", plain((value * 100.0).round() / 100.0))
+    }
 }
 
 #[cfg(test)]
@@ -328,16 +453,31 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
-        let cases = [(0.0, "0"), (0.25, "0.25"), (1.0, "1"), (-0.5, "−0.5"), (22.5, "22.5"), (1234.5, "1234"), (0.0123456, "0.0123"), (1e-6, "1.00e−6")];
+        let cases = [
+            (0.0, "0"),
+            (0.25, "0.25"),
+            (1.0, "1"),
+            (-0.5, "−0.5"),
+            (22.5, "22.5"),
+            (1234.5, "1234"),
+            (0.0123456, "0.0123"),
+            (1e-6, "1.00e−6"),
+        ];
         for (value, text) in cases {
             assert_eq!(plain(value), text);
         }
-        assert_eq!((percent(0.0), percent(1e-6), percent(0.12345)), ("0 %".into(), "under 0.01 %".into(), "12.3 %".into()));
+        assert_eq!(
+            (percent(0.0), percent(1e-6), percent(0.12345)),
+            ("0 %".into(), "under 0.01 %".into(), "12.3 %".into())
+        );
     }
 
     #[test]
     fn limits_are_round() {
-        assert_eq!([0.011, 0.02, 0.3, 0.99, 1.0].map(round_up), [0.02, 0.02, 0.5, 1.0, 1.0]);
+        assert_eq!(
+            [0.011, 0.02, 0.3, 0.99, 1.0].map(round_up),
+            [0.02, 0.02, 0.5, 1.0, 1.0]
+        );
         assert_eq!(round_up(0.0), 0.0);
     }
 }

@@ -7,14 +7,24 @@ use super::drawing::{Anchor, Drawing, Item, PAPER, Picture, Rgb, font, font_heig
 
 /// The drawing as a PNG file; an error text where it is too large to be held.
 pub(super) fn png(drawing: &Drawing) -> Result<Vec<u8>, String> {
-    let too_large = || format!("a picture of {}x{} pixels cannot be held", drawing.width, drawing.height);
+    let too_large = || {
+        format!(
+            "a picture of {}x{} pixels cannot be held",
+            drawing.width, drawing.height
+        )
+    };
     let size = |n: usize| u32::try_from(n).map_err(|_| too_large());
-    let mut page = Pixmap::new(size(drawing.width)?, size(drawing.height)?).ok_or_else(too_large)?;
+    let mut page =
+        Pixmap::new(size(drawing.width)?, size(drawing.height)?).ok_or_else(too_large)?;
     page.fill(Color::from_rgba8(PAPER[0], PAPER[1], PAPER[2], 255));
     for item in &drawing.items {
         draw(&mut page, item);
     }
-    let pixels = page.pixels().iter().map(|p| [p.red(), p.green(), p.blue()]).collect();
+    let pixels = page
+        .pixels()
+        .iter()
+        .map(|p| [p.red(), p.green(), p.blue()])
+        .collect();
     encode(&Picture {
         width: drawing.width,
         height: drawing.height,
@@ -30,43 +40,95 @@ pub(super) fn encode(picture: &Picture) -> Result<Vec<u8>, String> {
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
     let mut writer = encoder.write_header().map_err(|e| e.to_string())?;
-    writer.write_image_data(picture.pixels.as_flattened()).map_err(|e| e.to_string())?;
+    writer
+        .write_image_data(picture.pixels.as_flattened())
+        .map_err(|e| e.to_string())?;
     writer.finish().map_err(|e| e.to_string())?;
     Ok(bytes)
 }
 
 fn draw(page: &mut Pixmap, item: &Item) {
     match item {
-        Item::Image { x, y, scale, picture } => blit(page, [*x, *y], *scale, picture),
-        Item::Rectangle { x, y, w, h, colour, line } => {
-            let Some(rect) = Rect::from_xywh(*x, *y, *w, *h) else { return };
+        Item::Image {
+            x,
+            y,
+            scale,
+            picture,
+        } => blit(page, [*x, *y], *scale, picture),
+        Item::Rectangle {
+            x,
+            y,
+            w,
+            h,
+            colour,
+            line,
+        } => {
+            let Some(rect) = Rect::from_xywh(*x, *y, *w, *h) else {
+                return;
+            };
             match line {
                 None => page.fill_rect(rect, &paint(*colour), Transform::identity(), None),
-                Some(width) => stroke(page, Some(PathBuilder::from_rect(rect)), *colour, *width, Transform::identity()),
+                Some(width) => stroke(
+                    page,
+                    Some(PathBuilder::from_rect(rect)),
+                    *colour,
+                    *width,
+                    Transform::identity(),
+                ),
             }
         }
-        Item::Line { from, to, colour, width } => {
+        Item::Line {
+            from,
+            to,
+            colour,
+            width,
+        } => {
             let mut path = PathBuilder::new();
             path.move_to(from[0], from[1]);
             path.line_to(to[0], to[1]);
             stroke(page, path.finish(), *colour, *width, Transform::identity());
         }
-        Item::Ellipse { centre, radii, angle, colour, width } => {
-            let oval = Rect::from_xywh(-radii[0], -radii[1], 2.0 * radii[0], 2.0 * radii[1]).and_then(PathBuilder::from_oval);
-            let turn = Transform::from_rotate(angle.to_degrees()).post_translate(centre[0], centre[1]);
+        Item::Ellipse {
+            centre,
+            radii,
+            angle,
+            colour,
+            width,
+        } => {
+            let oval = Rect::from_xywh(-radii[0], -radii[1], 2.0 * radii[0], 2.0 * radii[1])
+                .and_then(PathBuilder::from_oval);
+            let turn =
+                Transform::from_rotate(angle.to_degrees()).post_translate(centre[0], centre[1]);
             stroke(page, oval, *colour, *width, turn);
         }
         Item::Polygon { points, colour } => {
             let mut path = PathBuilder::new();
             for (i, p) in points.iter().enumerate() {
-                if i == 0 { path.move_to(p[0], p[1]) } else { path.line_to(p[0], p[1]) }
+                if i == 0 {
+                    path.move_to(p[0], p[1]);
+                } else {
+                    path.line_to(p[0], p[1]);
+                }
             }
             path.close();
             if let Some(path) = path.finish() {
-                page.fill_path(&path, &paint(*colour), FillRule::Winding, Transform::identity(), None);
+                page.fill_path(
+                    &path,
+                    &paint(*colour),
+                    FillRule::Winding,
+                    Transform::identity(),
+                    None,
+                );
             }
         }
-        Item::Text { x, y, size, colour, anchor, text } => write(page, [*x, *y], *size, *colour, *anchor, text),
+        Item::Text {
+            x,
+            y,
+            size,
+            colour,
+            anchor,
+            text,
+        } => write(page, [*x, *y], *size, *colour, *anchor, text),
     }
 }
 
@@ -77,7 +139,13 @@ fn paint(colour: Rgb) -> Paint<'static> {
     paint
 }
 
-fn stroke(page: &mut Pixmap, path: Option<tiny_skia::Path>, colour: Rgb, width: f32, transform: Transform) {
+fn stroke(
+    page: &mut Pixmap,
+    path: Option<tiny_skia::Path>,
+    colour: Rgb,
+    width: f32,
+    transform: Transform,
+) {
     let Some(path) = path else { return };
     let pen = Stroke {
         width,
@@ -95,7 +163,8 @@ fn blit(page: &mut Pixmap, at: [f32; 2], scale: usize, picture: &Picture) {
     for y in 0..(picture.height * scale).min(height.saturating_sub(top)) {
         for x in 0..(picture.width * scale).min(width.saturating_sub(left)) {
             let [r, g, b] = picture.pixels[y / scale * picture.width + x / scale];
-            pixels[(top + y) * width + left + x] = tiny_skia::ColorU8::from_rgba(r, g, b, 255).premultiply();
+            pixels[(top + y) * width + left + x] =
+                tiny_skia::ColorU8::from_rgba(r, g, b, 255).premultiply();
         }
     }
 }
@@ -114,7 +183,15 @@ fn write(page: &mut Pixmap, at: [f32; 2], size: f32, colour: Rgb, anchor: Anchor
         x += scaled.h_advance(id);
         if let Some(outline) = scaled.outline_glyph(glyph) {
             let corner = outline.px_bounds().min;
-            outline.draw(|i, j, cover| blend(page, corner.x as i64 + i64::from(i), corner.y as i64 + i64::from(j), colour, cover));
+            outline.draw(|i, j, cover| {
+                blend(
+                    page,
+                    corner.x as i64 + i64::from(i),
+                    corner.y as i64 + i64::from(j),
+                    colour,
+                    cover,
+                );
+            });
         }
     }
 }
@@ -125,7 +202,13 @@ fn blend(page: &mut Pixmap, x: i64, y: i64, colour: Rgb, cover: f32) {
     }
     let at = y as usize * page.width() as usize + x as usize;
     let old = page.pixels()[at];
-    let mix = |old: u8, new: u8| (f32::from(old) + (f32::from(new) - f32::from(old)) * cover.clamp(0.0, 1.0)).round() as u8;
-    let [r, g, b] = [mix(old.red(), colour[0]), mix(old.green(), colour[1]), mix(old.blue(), colour[2])];
+    let mix = |old: u8, new: u8| {
+        (f32::from(old) + (f32::from(new) - f32::from(old)) * cover.clamp(0.0, 1.0)).round() as u8
+    };
+    let [r, g, b] = [
+        mix(old.red(), colour[0]),
+        mix(old.green(), colour[1]),
+        mix(old.blue(), colour[2]),
+    ];
     page.pixels_mut()[at] = tiny_skia::ColorU8::from_rgba(r, g, b, 255).premultiply();
 }

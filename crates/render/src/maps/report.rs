@@ -57,14 +57,21 @@ pub struct MapRow {
     /// Numbers at the ends of the colours, in that unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limits: Option<[f64; 2]>,
+    /// Degree at full brightness, where brightness shows one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub full_brightness: Option<f64>,
     /// Share of drawn pixels beyond the limits.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clipped_share: Option<f64>,
 }
 
 pub(super) const FRAME: &str = "per pixel: x = image right, y = image up, light towards the viewer; angles counter-clockwise from x";
-pub(super) const HANDEDNESS: &str = "S3 > 0 is right-handed: clockwise for an observer who faces the source";
+pub(super) const HANDEDNESS: &str =
+    "S3 > 0 is right-handed: clockwise for an observer who faces the source";
 
 pub(super) fn file_name(path: &Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    path.file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned()
 }
