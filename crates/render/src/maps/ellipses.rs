@@ -6,9 +6,10 @@
 use stokes::StokesVector;
 
 use super::drawing::{Item, Rgb};
+use super::legend::Legend;
 use super::measure::percentile;
-use super::page::Legend;
-use super::paint::{Scene, percent, plain, round_up};
+use super::numbers::{percent, plain, round_up};
+use super::paint::Scene;
 
 /// What lies over the intensity, and what explains it.
 pub(super) struct Overlay {
