@@ -27,7 +27,12 @@ pub struct Args {
     #[arg(long, default_value_t = 8, value_name = "N")]
     pub block: usize,
     /// Relative round-off added to the standard errors
-    #[arg(long, default_value_t = 1e-6, value_name = "X")]
+    #[arg(
+        long,
+        default_value_t = 1e-6,
+        allow_negative_numbers = true,
+        value_name = "X"
+    )]
     pub floor: f64,
     /// Give rmse, excess, bias and abs limits in units of the mean reference S0
     #[arg(long)]

@@ -19,7 +19,12 @@ pub struct Args {
     #[arg(long, value_delimiter = ',', value_name = "LIST")]
     pub maps: Vec<String>,
     /// Mask pixels darker than this times the mean S0
-    #[arg(long, default_value_t = 0.01, value_name = "X")]
+    #[arg(
+        long,
+        default_value_t = 0.01,
+        allow_negative_numbers = true,
+        value_name = "X"
+    )]
     pub threshold: f64,
     /// Colours of right- and left-handed light
     #[arg(long, value_enum, default_value_t, value_name = "WHOSE")]
@@ -31,7 +36,7 @@ pub struct Args {
     #[arg(long, default_value = "luminance", value_name = "WHICH")]
     pub colour: ColourChoice,
     /// Factor from S0 to display white; follows the image where absent
-    #[arg(long, value_name = "X")]
+    #[arg(long, allow_negative_numbers = true, value_name = "X")]
     pub exposure: Option<f64>,
     /// Let degrees span 0 to 1, and S1, S2, S3, DoCP -1 to 1, whatever the image needs
     #[arg(long)]

@@ -140,6 +140,8 @@ fn wrong_requests_are_explained() {
         ..MapOptions::default()
     };
     assert!(ask(&states(), threshold).contains("the threshold is -1"));
+    assert!(check_names(&["s0".to_owned(), "xyz".to_owned()]).is_err());
+    assert!(check_names(&["ellipses".to_owned()]).is_ok());
     // an image with S0 alone has its intensity, unasked
     let report = write_all(&unpolarized, &MapOptions::default(), folder.path(), "u").unwrap();
     assert_eq!(report.maps.len(), 1);

@@ -219,6 +219,14 @@ pub fn write_all(
     Ok(report)
 }
 
+/// Refuses names that no map has, so that a long render need not run before a typing error shows.
+///
+/// # Errors
+/// A name is not in [`TABLE`].
+pub fn check_names(names: &[String]) -> Result<(), ImageError> {
+    names.iter().try_for_each(|name| named(name).map(drop))
+}
+
 /// The maps of that name, or all that the image allows.
 fn chosen(image: &StokesImage, names: &[String]) -> Result<Vec<&'static Map>, ImageError> {
     let possible = |map: &Map| image.components == 4 || map.style == Style::Tone;
@@ -226,28 +234,32 @@ fn chosen(image: &StokesImage, names: &[String]) -> Result<Vec<&'static Map>, Im
         return Ok(TABLE.iter().filter(|map| possible(map)).collect());
     }
     let find = |name: &String| {
-        let map = TABLE.iter().find(|map| map.name == name).ok_or_else(|| {
-            let known: Vec<&str> = TABLE.iter().map(|map| map.name).collect();
-            let near = known
-                .iter()
-                .max_by(|a, b| strsim::jaro(a, name).total_cmp(&strsim::jaro(b, name)));
-            let near = near
-                .filter(|near| strsim::jaro(near, name) > 0.7)
-                .map_or_else(String::new, |n| format!("; did you mean '{n}'?"));
-            ImageError::Request(format!(
-                "unknown map '{name}', expected some of {}{near}",
-                known.join(",")
-            ))
-        })?;
+        let map = named(name)?;
         if possible(map) {
-            Ok(map)
-        } else {
-            Err(ImageError::Request(format!(
-                "the image has S0 only, map '{name}' needs S1 to S3; render it without --unpolarized"
-            )))
+            return Ok(map);
         }
+        Err(ImageError::Request(format!(
+            "the image has S0 only, map '{name}' needs S1 to S3; render it without --unpolarized"
+        )))
     };
     names.iter().map(find).collect()
+}
+
+fn named(name: &str) -> Result<&'static Map, ImageError> {
+    TABLE.iter().find(|map| map.name == name).ok_or_else(|| {
+        let known: Vec<&str> = TABLE.iter().map(|map| map.name).collect();
+        let likeness = |other: &str| strsim::jaro(other, name);
+        let nearest = known
+            .iter()
+            .max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
+        let remedy = nearest
+            .filter(|other| likeness(other) > 0.7)
+            .map_or_else(String::new, |n| format!("; did you mean '{n}'?"));
+        ImageError::Request(format!(
+            "unknown map '{name}', expected some of {}{remedy}",
+            known.join(",")
+        ))
+    })
 }
 
 #[cfg(test)]

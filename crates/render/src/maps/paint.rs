@@ -39,7 +39,7 @@ impl<'a> Scene<'a> {
             .is_some_and(|e| !(e.is_finite() && e > 0.0))
         {
             return Err(ImageError::Request(
-                "the exposure must be a positive number".to_owned(),
+                "the exposure is not a positive number; leave --exposure out to let the image choose".to_owned(),
             ));
         }
         if options.ellipse_spacing == Some(0) {
