@@ -243,7 +243,7 @@ fn raised_to_neighbourhood(variance: &Field) -> Vec<f64> {
 /// Compares a test image with a reference of the same shape; returns the rows and the mean |S0| of the reference.
 ///
 /// # Errors
-/// Values are not finite, or the block is larger than the image or smaller than 2.
+/// Values are not finite, the floor is negative, or the block is larger than the image or smaller than 2.
 pub fn compare(
     test: &Field,
     reference: &Field,
@@ -258,6 +258,12 @@ pub fn compare(
                 "{bad} values of the {name} are not finite, expected none"
             ));
         }
+    }
+    if !(settings.floor.is_finite() && settings.floor >= 0.0) {
+        return Err(format!(
+            "--floor is {}, expected a number from 0 upwards",
+            settings.floor
+        ));
     }
     let smaller = reference.width.min(reference.height);
     if settings.block < 2 || settings.block > smaller {

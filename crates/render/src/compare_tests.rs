@@ -269,6 +269,15 @@ fn unusable_input_is_refused() {
             .unwrap_err()
             .contains("--block is 8, expected 2 to 6")
     );
+    let floor = Settings {
+        block: 3,
+        floor: -1.0,
+    };
+    assert!(
+        compare(&t, &r, None, None, &floor)
+            .unwrap_err()
+            .contains("--floor is -1")
+    );
     t.values[3] = f64::NAN;
     assert_eq!(
         compare(&t, &r, None, None, &SETTINGS).unwrap_err(),

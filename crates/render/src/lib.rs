@@ -13,6 +13,7 @@ pub mod geometry;
 pub mod image;
 pub mod ior;
 pub mod light;
+pub mod maps;
 pub mod material;
 pub mod output;
 pub mod path;

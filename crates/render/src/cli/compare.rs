@@ -27,7 +27,12 @@ pub struct Args {
     #[arg(long, default_value_t = 8, value_name = "N")]
     pub block: usize,
     /// Relative round-off added to the standard errors
-    #[arg(long, default_value_t = 1e-6, value_name = "X")]
+    #[arg(
+        long,
+        default_value_t = 1e-6,
+        allow_negative_numbers = true,
+        value_name = "X"
+    )]
     pub floor: f64,
     /// Give rmse, excess, bias and abs limits in units of the mean reference S0
     #[arg(long)]
@@ -59,8 +64,8 @@ pub struct Args {
 }
 
 /// One limit per Stokes component.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limits([f64; 4]);
+#[derive(Debug, Clone, PartialEq)]
+pub struct Limits(Box<[f64; 4]>);
 
 fn limits(text: &str) -> Result<Limits, String> {
     let numbers: Vec<f64> = text
@@ -72,8 +77,8 @@ fn limits(text: &str) -> Result<Limits, String> {
         _ if numbers.len() != text.split(',').count() => {
             Err("expected one number or four separated by commas".to_owned())
         }
-        [x] => Ok(Limits([x; 4])),
-        [a, b, c, d] => Ok(Limits([a, b, c, d])),
+        [x] => Ok(Limits(Box::new([x; 4]))),
+        [a, b, c, d] => Ok(Limits(Box::new([a, b, c, d]))),
         _ => Err("expected one number or four separated by commas".to_owned()),
     }
 }
@@ -167,15 +172,15 @@ fn standard_errors(path: &Path) -> Result<StokesImage, Failure> {
     read(path)
 }
 
-fn limited(args: &Args) -> [(&'static str, Option<Limits>); 7] {
+fn limited(args: &Args) -> [(&'static str, Option<&Limits>); 7] {
     [
-        ("rmse", args.max_rmse),
-        ("excess", args.max_excess),
-        ("bias", args.max_bias),
-        ("bias-t", args.max_bias_t),
-        ("z-frac", args.max_z_frac),
-        ("block-frac", args.max_block_frac),
-        ("abs", args.max_abs),
+        ("rmse", args.max_rmse.as_ref()),
+        ("excess", args.max_excess.as_ref()),
+        ("bias", args.max_bias.as_ref()),
+        ("bias-t", args.max_bias_t.as_ref()),
+        ("z-frac", args.max_z_frac.as_ref()),
+        ("block-frac", args.max_block_frac.as_ref()),
+        ("abs", args.max_abs.as_ref()),
     ]
 }
 
@@ -300,8 +305,11 @@ mod tests {
 
     #[test]
     fn limits_are_one_number_or_four() {
-        assert_eq!(limits("0.5"), Ok(Limits([0.5; 4])));
-        assert_eq!(limits("1,2,3,4e-1"), Ok(Limits([1.0, 2.0, 3.0, 0.4])));
+        assert_eq!(limits("0.5"), Ok(Limits(Box::new([0.5; 4]))));
+        assert_eq!(
+            limits("1,2,3,4e-1"),
+            Ok(Limits(Box::new([1.0, 2.0, 3.0, 0.4])))
+        );
         for bad in ["", "1,2", "1,x,3,4", "nan", "1,2,3,4,5"] {
             assert!(limits(bad).is_err(), "{bad}");
         }

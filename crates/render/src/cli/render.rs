@@ -15,7 +15,8 @@ use super::{Failure, Outcome};
 use crate::engine::{self, Job, Limits, Progress, Rendering};
 use crate::film::SpectralMode;
 use crate::image::{Colour, StokesImage};
-use crate::output::{self, WriteOptions};
+use crate::maps::{self, MapOptions};
+use crate::output::{self, ImageError, WriteOptions};
 use crate::sampler::Generator;
 use crate::scene::{self, Overrides};
 
@@ -67,8 +68,8 @@ pub struct Args {
     #[arg(short = 'D', value_name = "NAME=VALUE")]
     define: Vec<Define>,
     /// Pictures to make beside the image: `all`, or names from `brewster maps --help`, separated by commas
-    #[arg(long, value_name = "LIST")]
-    maps: Option<String>,
+    #[arg(long, value_delimiter = ',', value_name = "LIST")]
+    maps: Vec<String>,
     /// Write exactly the channels that Mitsuba writes
     #[arg(long)]
     mitsuba_channels: bool,
@@ -84,6 +85,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Outcome {
     let (start, cpu_start) = (Instant::now(), ProcessTime::now());
     let output = output_path(args)?;
+    map_options(args)?;
     let threads = args.threads.map_or_else(
         || std::thread::available_parallelism().map_or(1, usize::from),
         usize::from,
@@ -105,18 +107,36 @@ pub fn run(args: &Args) -> Outcome {
     bar.finish_and_clear();
 
     let image = to_image(args, &job, &rendering);
-    output::write(&output, &image, &WriteOptions { mitsuba_channels: args.mitsuba_channels })
-        .map_err(|e| Failure::Work(e.to_string()))?;
+    output::write(&output, &image, &WriteOptions { mitsuba_channels: args.mitsuba_channels }).map_err(failure)?;
     if !args.quiet {
         tell(&output, &rendering, start.elapsed());
     }
-    if let Some(list) = &args.maps {
-        super::maps::write_beside(&image, list, &output, args.quiet)?;
+    if let Some(options) = map_options(args)? {
+        let folder = output.parent().unwrap_or(Path::new(""));
+        let stem = output.file_stem().unwrap_or_default().to_string_lossy();
+        maps::write_all(&image, &options, folder, &stem).map_err(failure)?;
     }
     if args.json {
         print_json(&rendering, threads, start.elapsed(), cpu_start.elapsed());
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The pictures to make, if any; a misspelt name is refused before any work is done.
+fn map_options(args: &Args) -> Result<Option<MapOptions>, Failure> {
+    if args.maps.is_empty() {
+        return Ok(None);
+    }
+    let maps = if args.maps == ["all"] { Vec::new() } else { args.maps.clone() };
+    maps::check_names(&maps).map_err(failure)?;
+    Ok(Some(MapOptions { maps, ..MapOptions::default() }))
+}
+
+fn failure(error: ImageError) -> Failure {
+    match error {
+        ImageError::Request(_) => Failure::Usage(error.to_string()),
+        _ => Failure::Work(error.to_string()),
+    }
 }
 
 /// Where the image goes; refuses endings that cannot be written and folders that do not exist before any work is done.
