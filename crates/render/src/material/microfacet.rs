@@ -318,9 +318,10 @@ mod tests {
                 let k = 1000;
                 for i in 0..k {
                     for j in 0..k {
-                        let u = [(i as f32 + 0.5) / k as f32, (j as f32 + 0.5) / k as f32];
-                        let m = d.sample_all(u);
-                        let weight = f64::from(d.sampling_density(o, m) / (d.density(m) * m.z));
+                        // the ratio grows as 1/√(1 − u) toward grazing normals: substituted away
+                        let rest = 1.0 - (i as f32 + 0.5) / k as f32;
+                        let m = d.sample_all([1.0 - rest * rest, (j as f32 + 0.5) / k as f32]);
+                        let weight = f64::from(2.0 * rest * d.sampling_density(o, m) / (d.density(m) * m.z));
                         expected[cell(m)] += weight * n as f64 / (k * k) as f64;
                     }
                 }
