@@ -3,14 +3,13 @@
 //! ```text
 //! file ─ source ─ dialect ─ element ─ value ┐
 //!                   defines ($name) ────────┴─ xml ─ tree (ids, refs) ─ Document ─ Object: typed parameters
-//! OBJ file ─ obj ─ assemble ─ Mesh
+//! OBJ file ─ obj (tobj) ─ Mesh
 //! ```
 //!
 //! A scene is read in two steps. [`read`] knows the grammar and no plugin; it returns a [`Document`]. Whoever builds
 //! a plugin then asks its [`Object`] for the parameters by name and type, and calls [`Object::finish`], which refuses
 //! what nobody has asked for.
 
-mod assemble;
 mod build;
 mod defines;
 mod dialect;

@@ -1,54 +1,40 @@
-//! Wavefront OBJ: vertices, normals, texture coordinates and faces of the whole file as one mesh.
+//! Wavefront OBJ: vertices, normals, texture coordinates and faces of the whole file as one mesh, read by `tobj`.
 //!
-//! A reader of our own because every error names its line, and because groups and materials must not cut the
-//! neighbourhood of a vertex, on which smooth normals depend.
+//! tobj passes over statements that it does not know, takes polylines for faces, cuts the mesh at groups and names no
+//! line in its errors. So it is given the statements that make triangles only, each checked before.
 
 use std::path::Path;
 use std::sync::Arc;
 
-use super::assemble::{NONE, Statements};
+use glam::Vec3;
+
 use super::error::{Position, SceneError, quoted, suggestion};
-use super::mesh::Mesh;
+use super::mesh::{Mesh, count_degenerate, vertex_normals};
 use super::source::read_bytes;
 
 /// Statements that carry no triangles and are passed over: names, materials, smoothing groups, display hints.
-const IGNORED: [&str; 13] = [
-    "g", "o", "s", "mg", "usemtl", "mtllib", "usemap", "maplib", "bevel", "c_interp", "d_interp",
-    "lod", "call",
-];
+const IGNORED: &str = "g o s mg usemtl mtllib usemap maplib bevel c_interp d_interp lod call";
 
 /// Statements of points, lines and free-form surfaces; passed over too, with a notice.
-const NO_TRIANGLES: [&str; 22] = [
-    "p",
-    "l",
-    "vp",
-    "cstype",
-    "deg",
-    "bmat",
-    "step",
-    "curv",
-    "curv2",
-    "surf",
-    "parm",
-    "trim",
-    "hole",
-    "scrv",
-    "sp",
-    "end",
-    "con",
-    "csh",
-    "ctech",
-    "stech",
-    "shadow_obj",
-    "trace_obj",
+const NO_TRIANGLES: &str = "p l vp cstype deg bmat step curv curv2 surf parm trim hole scrv sp end con csh ctech \
+                            stech shadow_obj trace_obj";
+
+/// What a face names, in the order of its indices: statement, words, numbers that it needs, numbers that are read.
+const LISTS: [(&str, &str, usize, usize); 3] = [
+    ("v", "vertex", 3, 3),
+    ("vt", "texture coordinate", 1, 2),
+    ("vn", "normal", 3, 3),
 ];
+
+/// Largest file, bytes: fewer corners than 32 bits can count.
+const LARGEST: usize = 1 << 33;
 
 /// Reads an OBJ file.
 ///
 /// All groups become one mesh; a polygon becomes a fan of triangles around its first corner. Vertex colours, the
 /// fourth coordinate and materials are ignored. `flip_tex_coords` replaces v by 1 − v. Tolerated, with a notice: no
-/// faces at all, corners without a normal (they get the smooth one) or without texture coordinates (they get 0, 0)
-/// where others have them, statements that make no triangles.
+/// faces at all, statements that make no triangles, normals of no length (the vertices get smooth ones). tobj does not
+/// tell which corners lack a normal or texture coordinates: where some do, with a notice, all of them are without.
 ///
 /// # Errors
 ///
@@ -60,158 +46,181 @@ pub fn load_obj(path: &Path, flip_tex_coords: bool) -> Result<Mesh, SceneError> 
 
 /// Reads the bytes of an OBJ file that is said to stand in `path`.
 fn parse(bytes: &[u8], path: &Path, flip_tex_coords: bool) -> Result<Mesh, SceneError> {
-    let file: Arc<Path> = path.into();
-    let mut statements = Statements::default();
-    let mut number = 0;
-    let mut joined = String::new();
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    for line in bytes.split(|&byte| byte == b'\n') {
-        number += 1;
-        let at = |message: String| Position::line(file.clone(), number).error(message);
-        let line = line.trim_ascii();
-        if joined.is_empty() && statements.skips(line) {
-            continue;
-        }
-        let line = std::str::from_utf8(line)
-            .map_err(|_| at("the line is not text, expected an OBJ file".to_owned()))?;
-        // A backslash at the end joins the next line to this one.
-        if let Some(start) = line.strip_suffix('\\') {
-            joined.push_str(start);
-            joined.push(' ');
-        } else if joined.is_empty() {
-            statements.take(line, number).map_err(at)?;
-        } else {
-            joined.push_str(line);
-            statements.take(&joined, number).map_err(at)?;
-            joined.clear();
-        }
-    }
-    if !joined.is_empty() {
-        return Err(Position::line(file, number)
-            .error("the file ends after a backslash, expected another line"));
-    }
-    let mut mesh = statements
-        .mesh(flip_tex_coords)
-        .map_err(|(line, message)| Position::line(file, line).error(message))?;
     let whole = Position::whole(path);
+    if bytes.len() > LARGEST {
+        return Err(whole.error("a file of more than 8 GiB, expected a smaller one"));
+    }
+    // comments and names need not be UTF-8
+    let text = String::from_utf8_lossy(bytes);
+    let (statements, ignored) = select(text.trim_start_matches('\u{feff}'), path)?;
+    let options = tobj::LoadOptions { triangulate: true, single_index: true, ..Default::default() };
+    let no_materials = |_: &Path| Ok(Default::default());
+    let (models, _) = tobj::load_obj_buf(&mut statements.as_bytes(), &options, no_materials)
+        .map_err(|failure| whole.error(failure))?;
+    let mut mesh = assemble(models.into_iter().next().map(|model| model.mesh).unwrap_or_default(), flip_tex_coords);
+    if ignored > 0 {
+        mesh.notices.push(format!("{ignored} statements of points, lines or free-form surfaces are ignored"));
+    }
     for notice in &mut mesh.notices {
         *notice = whole.error(&*notice).to_string();
     }
     Ok(mesh)
 }
 
-impl Statements {
-    /// Comments, empty lines and names, which need not be UTF-8.
-    fn skips(&self, line: &[u8]) -> bool {
-        let end = line.iter().position(u8::is_ascii_whitespace);
-        let keyword = &line[..end.unwrap_or(line.len())];
-        line.is_empty() || line[0] == b'#' || IGNORED.iter().any(|name| name.as_bytes() == keyword)
+/// The statements that make triangles, all of them good, and how many others there are that might be missed.
+fn select(text: &str, path: &Path) -> Result<(String, usize), SceneError> {
+    let file: Arc<Path> = path.into();
+    let named = |keyword| text.lines().filter(|line| line.split_whitespace().next() == Some(keyword)).count();
+    let totals = LISTS.map(|(keyword, ..)| named(keyword));
+    let mut before = [0; 3];
+    let (mut kept, mut ignored) = (String::with_capacity(text.len() + 1), 0);
+    let mut joined = String::new();
+    let mut number = 0;
+    for line in text.lines() {
+        number += 1;
+        let at = |message: String| Position::line(file.clone(), number).error(message);
+        // a backslash at the end joins the next line to this one
+        if let Some(start) = line.trim_end().strip_suffix('\\').filter(|start| !start.starts_with('#')) {
+            joined.push_str(start);
+            joined.push(' ');
+            continue;
+        }
+        joined.push_str(line);
+        let statement = joined.split('#').next().unwrap_or_default();
+        let mut words = statement.split_whitespace();
+        let keyword = words.next().unwrap_or_default();
+        if let Some(list) = LISTS.iter().position(|(name, ..)| *name == keyword) {
+            numbers(LISTS[list], words, &mut kept).map_err(at)?;
+            before[list] += 1;
+        } else if keyword == "f" {
+            check_face(words, before, totals).map_err(at)?;
+            kept.push_str(statement);
+            kept.push('\n');
+        } else if NO_TRIANGLES.split_whitespace().any(|name| name == keyword) {
+            ignored += 1;
+        } else if !keyword.is_empty() && !IGNORED.split_whitespace().any(|name| name == keyword) {
+            return Err(at(unknown(keyword)));
+        }
+        joined.clear();
     }
-
-    fn take(&mut self, line: &str, number: u32) -> Result<(), String> {
-        let line = line.split('#').next().unwrap_or_default();
-        let mut words = line.split_ascii_whitespace();
-        match words.next() {
-            None => {}
-            Some("v") => self.positions.push(floats("v", words, 3)?),
-            Some("vn") => self.normals.push(floats("vn", words, 3)?),
-            Some("vt") => self.texcoords.push(floats("vt", words, 1)?),
-            Some("f") => self.face(words, number)?,
-            Some(other) if NO_TRIANGLES.contains(&other) => self.ignored += 1,
-            Some(other) => {
-                return Err(format!(
-                    "unknown statement {}{}",
-                    quoted(other),
-                    suggestion(other, &["v", "vn", "vt", "f"])
-                ));
-            }
-        }
-        Ok(())
-    }
-
-    fn face<'w>(&mut self, words: impl Iterator<Item = &'w str>, line: u32) -> Result<(), String> {
-        let start = self.corners.len();
-        let counts = [
-            self.positions.len(),
-            self.texcoords.len(),
-            self.normals.len(),
-        ];
-        for word in words {
-            let mut corner = [NONE; 3];
-            let mut parts = word.split('/');
-            for ((slot, count), part) in corner.iter_mut().zip(counts).zip(&mut parts) {
-                if !part.is_empty() {
-                    *slot = index(part, count)?;
-                }
-            }
-            if corner[0] == NONE || parts.next().is_some() {
-                return Err(format!(
-                    "face corner {}, expected v, v/vt, v//vn or v/vt/vn",
-                    quoted(word)
-                ));
-            }
-            self.corners.push(corner);
-        }
-        match self.corners.len() - start {
-            3.. => {
-                self.faces.push((self.corners.len(), line));
-                Ok(())
-            }
-            few => Err(format!("face with {few} corners, expected at least 3")),
-        }
+    if joined.is_empty() {
+        Ok((kept, ignored))
+    } else {
+        Err(Position::line(file, number).error("the file ends after a backslash, expected another line"))
     }
 }
 
-/// The first `N` numbers of a statement, of which `needed` must be there; the others are zero. More may follow.
-fn floats<'w, const N: usize>(
-    keyword: &str,
+fn unknown(keyword: &str) -> String {
+    if keyword.contains(char::REPLACEMENT_CHARACTER) {
+        return "the line is not text, expected an OBJ file".to_owned();
+    }
+    format!("unknown statement {}{}", quoted(keyword), suggestion(keyword, &["v", "vn", "vt", "f"]))
+}
+
+/// Copies a statement of numbers, all of them finite, without those that are not read; missing ones are zero.
+fn numbers<'w>(
+    (keyword, _, needed, read): (&str, &str, usize, usize),
     words: impl Iterator<Item = &'w str>,
-    needed: usize,
-) -> Result<[f32; N], String> {
-    let mut numbers = [0.0; N];
+    kept: &mut String,
+) -> Result<(), String> {
+    kept.push_str(keyword);
     let mut found = 0;
     for word in words {
-        let value: f32 = word.parse().map_err(|_| {
-            format!(
-                "{} in '{keyword}' is no number, expected {needed} or more",
-                quoted(word)
-            )
-        })?;
+        let value: f32 = word
+            .parse()
+            .map_err(|_| format!("{} in '{keyword}' is no number, expected {needed} or more", quoted(word)))?;
         if !value.is_finite() {
             return Err(format!(
                 "{} in '{keyword}' is not finite in single precision, expected a finite number",
                 quoted(word)
             ));
         }
-        if let Some(slot) = numbers.get_mut(found) {
-            *slot = value;
+        if found < read {
+            kept.push(' ');
+            kept.push_str(word);
         }
         found += 1;
     }
     if found < needed {
-        return Err(format!(
-            "'{keyword}' with {found} numbers, expected {needed}"
-        ));
+        return Err(format!("'{keyword}' with {found} numbers, expected {needed}"));
     }
-    Ok(numbers)
+    kept.push_str(&" 0".repeat(read.saturating_sub(found)));
+    kept.push('\n');
+    Ok(())
 }
 
-/// An index counted from zero: positive ones count from the start of the file, negative ones back from this line.
-fn index(text: &str, count: usize) -> Result<u32, String> {
-    let number: i64 = text
-        .parse()
-        .map_err(|_| format!("index {} in a face, expected an integer", quoted(text)))?;
-    let from_zero = match number {
-        0 => return Err("index 0 in a face, expected 1 for the first vertex".to_owned()),
-        1.. => number - 1,
-        _ => i64::try_from(count)
-            .unwrap_or(i64::MAX)
-            .saturating_add(number),
+/// Positive indices count from the start of the file, negative ones back from this line.
+fn check_face<'w>(
+    words: impl Iterator<Item = &'w str>,
+    before: [usize; 3],
+    totals: [usize; 3],
+) -> Result<(), String> {
+    let mut corners = 0;
+    for word in words {
+        corners += 1;
+        if word.starts_with('/') || word.split('/').count() > 3 {
+            return Err(format!("face corner {}, expected v, v/vt, v//vn or v/vt/vn", quoted(word)));
+        }
+        for (list, part) in word.split('/').enumerate().filter(|(_, part)| !part.is_empty()) {
+            let index: i64 =
+                part.parse().map_err(|_| format!("index {} in a face, expected an integer", quoted(part)))?;
+            let (what, total, before) = (LISTS[list].1, totals[list], before[list]);
+            let reach = index.unsigned_abs();
+            if index == 0 {
+                return Err("index 0 in a face, expected 1 for the first vertex".to_owned());
+            } else if index > 0 && reach > total as u64 {
+                return Err(format!("face names {what} {index}, expected at most {total}, the number in the file"));
+            } else if index < 0 && reach > before as u64 {
+                return Err(format!("index {index} in a face, there are {before} before this line"));
+            }
+        }
+    }
+    if corners < 3 { Err(format!("face with {corners} corners, expected at least 3")) } else { Ok(()) }
+}
+
+/// One mesh with one index buffer, and what is to be said about it.
+fn assemble(read: tobj::Mesh, flip_tex_coords: bool) -> Mesh {
+    let mut mesh = Mesh {
+        positions: read.positions.as_chunks().0.to_vec(),
+        triangles: read.indices.as_chunks().0.to_vec(),
+        ..Mesh::default()
     };
-    u32::try_from(from_zero)
-        .ok()
-        .filter(|&index| index != NONE)
-        .ok_or_else(|| format!("index {number} in a face, there are {count} before this line"))
+    let count = mesh.positions.len();
+    match read.texcoords.len() / 2 {
+        0 => {}
+        n if n == count => {
+            let flipped = |&[u, v]: &[f32; 2]| if flip_tex_coords { [u, 1.0 - v] } else { [u, v] };
+            mesh.texcoords = Some(read.texcoords.as_chunks().0.iter().map(flipped).collect());
+        }
+        n => mesh.notices.push(format!("{} vertices lack texture coordinates, all do without", count - n)),
+    }
+    match read.normals.len() / 3 {
+        0 => {}
+        n if n == count => set_normals(&mut mesh, read.normals.as_chunks().0),
+        n => mesh.notices.push(format!("{} vertices lack a normal, all get smooth ones", count - n)),
+    }
+    mesh.degenerate = count_degenerate(&mesh);
+    if mesh.triangles.is_empty() {
+        mesh.notices.push("the file has no faces".to_owned());
+    }
+    if mesh.degenerate > 0 {
+        mesh.notices.push(format!("{} triangles have no area", mesh.degenerate));
+    }
+    mesh
+}
+
+/// Unit normals; those without a direction are smooth ones.
+fn set_normals(mesh: &mut Mesh, given: &[[f32; 3]]) {
+    let unit = |&n: &[f32; 3]| Some(Vec3::from(n).as_dvec3().try_normalize()?.as_vec3().to_array());
+    let mut normals: Vec<Option<[f32; 3]>> = given.iter().map(unit).collect();
+    let missing = normals.iter().filter(|normal| normal.is_none()).count();
+    if missing > 0 {
+        for (normal, smooth) in normals.iter_mut().zip(vertex_normals(mesh)) {
+            normal.get_or_insert(smooth);
+        }
+        mesh.notices.push(format!("{missing} vertices have a normal of no length and get a smooth one"));
+    }
+    mesh.normals = Some(normals.into_iter().flatten().collect());
 }
 
 #[cfg(test)]
@@ -284,16 +293,20 @@ mod tests {
                 "a.obj: 1 triangles have no area",
             ),
             (
-                "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nl 1 2\np 1",
+                "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nl 1 2 3\np 1",
                 "a.obj: 2 statements of points, lines or free-form surfaces are ignored",
             ),
             (
                 "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 -1\nf 1//1 2//1 3",
-                "a.obj: 1 vertices lack a normal and get a smooth one",
+                "a.obj: 1 vertices lack a normal, all get smooth ones",
+            ),
+            (
+                "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 0\nf 1//1 2//1 3//1",
+                "a.obj: 3 vertices have a normal of no length and get a smooth one",
             ),
             (
                 "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3",
-                "a.obj: 1 vertices lack texture coordinates and get (0, 0)",
+                "a.obj: 1 vertices lack texture coordinates, all do without",
             ),
         ] {
             assert_eq!(read(text).unwrap().notices, [notice], "{text}");
@@ -357,7 +370,7 @@ mod tests {
             ),
             (
                 "f 1 2 4294967296",
-                "index 4294967296 in a face, there are 3 before this line",
+                "face names vertex 4294967296, expected at most 3, the number in the file",
             ),
             (
                 "f 1 2 -9223372036854775808",
