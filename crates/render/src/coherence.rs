@@ -19,5 +19,7 @@ pub struct Coherence {
 
 impl Coherence {
     /// Light of a single direction: coherent over the whole vertex.
-    pub const PLANE_WAVE: Self = Self { angular_root: [Vec3A::ZERO; 2] };
+    pub const PLANE_WAVE: Self = Self {
+        angular_root: [Vec3A::ZERO; 2],
+    };
 }

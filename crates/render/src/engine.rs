@@ -32,8 +32,10 @@ pub struct Job {
     pub paths: PathOptions,
     /// Which wavelengths.
     pub mode: SpectralMode,
-    /// Stokes vectors, or S0 alone.
+    /// Whether the image has four components, or S0 alone.
     pub polarized: bool,
+    /// Whether Stokes vectors are followed; where the scene makes no polarization S0 alone gives the same image.
+    pub follow_polarization: bool,
     /// Samples a pixel.
     pub samples: u64,
     /// Seed of all random numbers.
@@ -114,19 +116,26 @@ impl Rendering {
         let mut mean = 0.0;
         let mut variances = [0.0; 4];
         self.for_each_pixel(|_, _, pixel| {
-            for component in 0..self.components() {
+            for (component, sum) in variances.iter_mut().enumerate().take(self.components()) {
                 for colour in 0..self.colours {
-                    let (value, variance) = pixel.estimate(component * self.colours + colour, self.samples);
-                    variances[component] += variance;
+                    let (value, variance) =
+                        pixel.estimate(component * self.colours + colour, self.samples);
+                    *sum += variance;
                     if component == 0 {
                         mean += value;
                     }
                 }
             }
         });
-        let n = f64::from(self.film.crop_size[0]) * f64::from(self.film.crop_size[1]) * self.colours as f64;
+        let n = f64::from(self.film.crop_size[0])
+            * f64::from(self.film.crop_size[1])
+            * self.colours as f64;
         let worst = variances.into_iter().fold(0.0, f64::max);
-        if mean > 0.0 { (worst / n).sqrt() / (mean / n) } else { 0.0 }
+        if mean > 0.0 {
+            (worst / n).sqrt() / (mean / n)
+        } else {
+            0.0
+        }
     }
 
     fn for_each_pixel(&self, mut visit: impl FnMut(u32, u32, PixelSums<'_>)) {
@@ -137,7 +146,12 @@ impl Rendering {
 }
 
 /// Renders until all samples are taken, a limit is met or `stop` is set; `report` hears of every pass.
-pub fn render(job: &Job, limits: Limits, stop: &AtomicBool, mut report: impl FnMut(Progress)) -> Rendering {
+pub fn render(
+    job: &Job,
+    limits: Limits,
+    stop: &AtomicBool,
+    mut report: impl FnMut(Progress),
+) -> Rendering {
     let filter = FilterSampler::new(job.film.filter);
     let colours = job.mode.colours();
     let mut rendering = Rendering {
@@ -160,7 +174,10 @@ pub fn render(job: &Job, limits: Limits, stop: &AtomicBool, mut report: impl FnM
         let results: Vec<(Counters, u64)> = rendering
             .tiles
             .par_iter_mut()
-            .map_init(|| job.scene.stack(), |stack, tile| tile_pass(job, &filter, tile, range.clone(), stack))
+            .map_init(
+                || job.scene.stack(),
+                |stack, tile| tile_pass(job, &filter, tile, range.clone(), stack),
+            )
             .collect();
         for (counters, rejected) in results {
             rendering.counters.paths += counters.paths;
@@ -182,13 +199,17 @@ pub fn render(job: &Job, limits: Limits, stop: &AtomicBool, mut report: impl FnM
             break;
         }
         if limits.time.is_some_and(|limit| start.elapsed() >= limit)
-            || limits.error.is_some_and(|limit| rendering.samples > 1 && error <= limit)
+            || limits
+                .error
+                .is_some_and(|limit| rendering.samples > 1 && error <= limit)
         {
             break;
         }
         // passes of about half a second, or what is left of the time
         let seconds = pass_start.elapsed().as_secs_f64().max(1e-4) / taken as f64;
-        let left = limits.time.map_or(0.5, |limit| limit.saturating_sub(start.elapsed()).as_secs_f64().min(0.5));
+        let left = limits.time.map_or(0.5, |limit| {
+            limit.saturating_sub(start.elapsed()).as_secs_f64().min(0.5)
+        });
         pass = ((left / seconds) as u64).clamp(1, 4 * pass);
     }
     rendering.wall = start.elapsed();
@@ -204,9 +225,13 @@ fn tile_pass(
     range: std::ops::Range<u64>,
     stack: &mut Stack,
 ) -> (Counters, u64) {
-    match (&job.mode, job.polarized) {
-        (SpectralMode::Single(_), false) => Worker::<Intensity<1>>::new(job, filter).run(tile, range, stack),
-        (SpectralMode::Single(_), true) => Worker::<Polarized<1>>::new(job, filter).run(tile, range, stack),
+    match (&job.mode, job.follow_polarization) {
+        (SpectralMode::Single(_), false) => {
+            Worker::<Intensity<1>>::new(job, filter).run(tile, range, stack)
+        }
+        (SpectralMode::Single(_), true) => {
+            Worker::<Polarized<1>>::new(job, filter).run(tile, range, stack)
+        }
         (_, false) => Worker::<Intensity<4>>::new(job, filter).run(tile, range, stack),
         (_, true) => Worker::<Polarized<4>>::new(job, filter).run(tile, range, stack),
     }
@@ -222,10 +247,20 @@ struct Worker<'a, L: Light> {
 
 impl<'a, L: Light> Worker<'a, L> {
     fn new(job: &'a Job, filter: &'a FilterSampler) -> Self {
-        Self { job, filter, counters: Counters::default(), light: std::marker::PhantomData }
+        Self {
+            job,
+            filter,
+            counters: Counters::default(),
+            light: std::marker::PhantomData,
+        }
     }
 
-    fn run(mut self, tile: &mut TileSums, range: std::ops::Range<u64>, stack: &mut Stack) -> (Counters, u64) {
+    fn run(
+        mut self,
+        tile: &mut TileSums,
+        range: std::ops::Range<u64>,
+        stack: &mut Stack,
+    ) -> (Counters, u64) {
         let mut colours = SampleColours::new(self.job.mode.colours());
         let mut rejected = 0;
         for (x, y) in tile.pixels() {
@@ -241,7 +276,14 @@ impl<'a, L: Light> Worker<'a, L> {
     }
 
     /// One camera sample of the pixel at (x, y) of the crop window.
-    fn sample(&mut self, x: u32, y: u32, sample: u64, colours: &mut SampleColours, stack: &mut Stack) {
+    fn sample(
+        &mut self,
+        x: u32,
+        y: u32,
+        sample: u64,
+        colours: &mut SampleColours,
+        stack: &mut Stack,
+    ) {
         let job = self.job;
         let film = &job.film;
         let (column, row) = (x + film.crop_offset[0], y + film.crop_offset[1]);
@@ -255,7 +297,12 @@ impl<'a, L: Light> Worker<'a, L> {
         let (ray, axis) = job.camera.ray(film_x, film_y);
         let [u, _] = stream.pair(2);
         let mut path = |wavelengths: &[f32]| {
-            let camera = CameraSample { ray, axis, wavelengths, stream };
+            let camera = CameraSample {
+                ray,
+                axis,
+                wavelengths,
+                stream,
+            };
             trace::<L>(&job.scene, &job.paths, camera, stack, &mut self.counters)
         };
         match &job.mode {
@@ -277,8 +324,9 @@ impl<'a, L: Light> Worker<'a, L> {
                 }
             }
             SpectralMode::Rgb => {
-                let drawn: [(f32, f32); 4] =
-                    std::array::from_fn(|lane| sample_wavelength((u + lane as f32 / L::LANES as f32).fract()));
+                let drawn: [(f32, f32); 4] = std::array::from_fn(|lane| {
+                    sample_wavelength((u + lane as f32 / L::LANES as f32).fract())
+                });
                 let wavelengths = L::lanes(|lane| drawn[lane].0);
                 let seen = path(wavelengths.as_ref());
                 for (stokes, (wavelength, density)) in seen.as_ref().iter().zip(drawn) {

@@ -37,9 +37,9 @@ impl SpectralMode {
     pub fn band_centres(&self) -> Vec<f64> {
         match self {
             Self::Single(wavelength) => vec![*wavelength],
-            Self::Bands { from, to, count } => {
-                (0..*count).map(|i| from + (to - from) * (i as f64 + 0.5) / *count as f64).collect()
-            }
+            Self::Bands { from, to, count } => (0..*count)
+                .map(|i| from + (to - from) * (i as f64 + 0.5) / *count as f64)
+                .collect(),
             Self::Rgb => Vec::new(),
         }
     }
@@ -65,11 +65,17 @@ impl FilmGeometry {
     /// Empty tiles that cover the crop window.
     pub fn tiles(&self, colours: usize) -> Vec<TileSums> {
         let [width, height] = self.crop_size;
-        let corners = (0..height).step_by(TILE as usize).flat_map(|y| (0..width).step_by(TILE as usize).map(move |x| [x, y]));
+        let corners = (0..height)
+            .step_by(TILE as usize)
+            .flat_map(|y| (0..width).step_by(TILE as usize).map(move |x| [x, y]));
         corners
             .map(|[x, y]| {
                 let size = [TILE.min(width - x), TILE.min(height - y)];
-                TileSums { corner: [x, y], size, sums: vec![0.0; (size[0] * size[1]) as usize * 8 * colours] }
+                TileSums {
+                    corner: [x, y],
+                    size,
+                    sums: vec![0.0; (size[0] * size[1]) as usize * 8 * colours],
+                }
             })
             .collect()
     }
@@ -128,7 +134,11 @@ impl PixelSums<'_> {
         let n = count as f64;
         let mean = self.0[index] / n;
         let square = self.0[self.0.len() / 2 + index] / n;
-        let variance = if count > 1 { ((square - mean * mean) / (n - 1.0)).max(0.0) } else { f64::INFINITY };
+        let variance = if count > 1 {
+            ((square - mean * mean) / (n - 1.0)).max(0.0)
+        } else {
+            f64::INFINITY
+        };
         (mean, variance)
     }
 }
@@ -142,7 +152,9 @@ pub struct SampleColours {
 impl SampleColours {
     /// All dark, for so many colours.
     pub fn new(colours: usize) -> Self {
-        Self { values: vec![Vec4::ZERO; colours] }
+        Self {
+            values: vec![Vec4::ZERO; colours],
+        }
     }
 
     /// Starts a sample.

@@ -46,7 +46,8 @@ impl Filter {
                 let scale = f64::from(stddev) * std::f64::consts::SQRT_2;
                 let floor = (-8f64).exp();
                 let primitive = |x: f64| {
-                    f64::from(stddev) * (0.5 * std::f64::consts::TAU).sqrt() / std::f64::consts::SQRT_2
+                    f64::from(stddev) * (0.5 * std::f64::consts::TAU).sqrt()
+                        / std::f64::consts::SQRT_2
                         * libm::erf(x / scale)
                         - floor * x
                 };
@@ -75,13 +76,19 @@ impl FilterSampler {
             let (mut near, mut far) = (0.0, filter.radius());
             for _ in 0..40 {
                 let middle = 0.5 * (near + far);
-                if filter.cumulative(-middle) > tail { near = middle } else { far = middle }
+                if filter.cumulative(-middle) > tail {
+                    near = middle;
+                } else {
+                    far = middle;
+                }
             }
             0.5 * (near + far)
         };
         let distance = match filter {
             Filter::Box => Vec::new(),
-            _ => (0..=STEPS).map(|i| invert(0.5 * (i as f64 / STEPS as f64).powi(2))).collect(),
+            _ => (0..=STEPS)
+                .map(|i| invert(0.5 * (i as f64 / STEPS as f64).powi(2)))
+                .collect(),
         };
         Self { filter, distance }
     }
@@ -97,7 +104,10 @@ impl FilterSampler {
         let (low, high) = (first as f32 - centre, last as f32 - centre);
         let u = if low > -radius || high < radius {
             // only the part of the filter that lies on the film
-            let (a, b) = (self.filter.cumulative(low) as f32, self.filter.cumulative(high) as f32);
+            let (a, b) = (
+                self.filter.cumulative(low) as f32,
+                self.filter.cumulative(high) as f32,
+            );
             a + u * (b - a)
         } else {
             u
@@ -128,11 +138,16 @@ mod tests {
         let expected = second / mass;
         let sampler = FilterSampler::new(filter);
         let drawn: f64 = (0..n)
-            .map(|i| f64::from(sampler.position(50, (i as f32 + 0.5) / n as f32, 0, 100) - 50.5).powi(2))
+            .map(|i| {
+                f64::from(sampler.position(50, (i as f32 + 0.5) / n as f32, 0, 100) - 50.5).powi(2)
+            })
             .sum::<f64>()
             / n as f64;
         // 20,000 midpoints leave out h²-terms of 1e-4; the table's error of 1e-4 pixels adds as much
-        assert!((drawn / expected - 1.0).abs() < 5e-4, "{filter:?}: {drawn} {expected}");
+        assert!(
+            (drawn / expected - 1.0).abs() < 5e-4,
+            "{filter:?}: {drawn} {expected}"
+        );
     }
 
     #[test]

@@ -15,6 +15,7 @@ pub mod ior;
 pub mod light;
 pub mod maps;
 pub mod material;
+pub mod needs;
 pub mod output;
 pub mod path;
 pub mod sampler;

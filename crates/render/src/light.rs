@@ -39,7 +39,12 @@ pub struct Element {
 
 impl Element {
     /// Lets nothing through.
-    pub const BLACK: Self = Self { mean: 0.0, difference: 0.0, cosine: 0.0, sine: 0.0 };
+    pub const BLACK: Self = Self {
+        mean: 0.0,
+        difference: 0.0,
+        cosine: 0.0,
+        sine: 0.0,
+    };
 
     /// All four numbers times `weight`.
     #[inline]
@@ -53,8 +58,18 @@ impl Element {
     }
 
     fn matrix(self) -> Mat4 {
-        let Self { mean: a, difference: b, cosine: c, sine: s } = self;
-        Mat4::from_cols(vec4(a, b, 0., 0.), vec4(b, a, 0., 0.), vec4(0., 0., c, -s), vec4(0., 0., s, c))
+        let Self {
+            mean: a,
+            difference: b,
+            cosine: c,
+            sine: s,
+        } = self;
+        Mat4::from_cols(
+            vec4(a, b, 0., 0.),
+            vec4(b, a, 0., 0.),
+            vec4(0., 0., c, -s),
+            vec4(0., 0., s, c),
+        )
     }
 }
 
@@ -198,8 +213,20 @@ impl<const N: usize> Light for Intensity<N> {
         std::array::from_fn(|lane| vec4(throughput[lane] * radiance[lane], 0., 0., 0.))
     }
     #[inline]
-    fn collect_through(throughput: &[f32; N], response: [f32; N], _: Vec3A, radiance: [f32; N]) -> [Vec4; N] {
-        std::array::from_fn(|lane| vec4(throughput[lane] * response[lane] * radiance[lane], 0., 0., 0.))
+    fn collect_through(
+        throughput: &[f32; N],
+        response: [f32; N],
+        _: Vec3A,
+        radiance: [f32; N],
+    ) -> [Vec4; N] {
+        std::array::from_fn(|lane| {
+            vec4(
+                throughput[lane] * response[lane] * radiance[lane],
+                0.,
+                0.,
+                0.,
+            )
+        })
     }
     #[inline]
     fn accumulate(sum: &mut [Vec4; N], more: [Vec4; N], weight: f32) {
@@ -287,7 +314,12 @@ fn turn_row(row: Vec4, (c, s): (f32, f32)) -> Vec4 {
 /// `M · R` for the same R.
 #[inline]
 fn turn_columns(m: &Mat4, (c, s): (f32, f32)) -> Mat4 {
-    Mat4::from_cols(m.x_axis, c * m.y_axis + s * m.z_axis, c * m.z_axis - s * m.y_axis, m.w_axis)
+    Mat4::from_cols(
+        m.x_axis,
+        c * m.y_axis + s * m.z_axis,
+        c * m.z_axis - s * m.y_axis,
+        m.w_axis,
+    )
 }
 
 /// A Stokes vector taken from frame `new` to frame `old`, (c, s) = double angle from `old` to `new`.
@@ -321,19 +353,31 @@ fn row_times_element(r: Vec4, e: &Element) -> Vec4 {
 /// `row · M`.
 #[inline]
 fn row_times_matrix(row: Vec4, m: &Mat4) -> Vec4 {
-    vec4(row.dot(m.x_axis), row.dot(m.y_axis), row.dot(m.z_axis), row.dot(m.w_axis))
+    vec4(
+        row.dot(m.x_axis),
+        row.dot(m.y_axis),
+        row.dot(m.z_axis),
+        row.dot(m.w_axis),
+    )
 }
 
 impl<const N: usize> MuellerResponse<N> {
     /// As general matrices in the frames of `axis_out`, `axis_in`.
     fn in_frames(&self, axis_out: Vec3A, axis_in: Vec3A, k_out: Vec3A, k_in: Vec3A) -> [Mat4; N] {
         match self {
-            Self::Depolarizing(m00) => m00.map(|a| Mat4::from_cols(vec4(a, 0., 0., 0.), Vec4::ZERO, Vec4::ZERO, Vec4::ZERO)),
-            Self::Diagonal { axis, elements } => {
-                Self::General { axis_out: *axis, axis_in: *axis, matrices: elements.map(Element::matrix) }
-                    .in_frames(axis_out, axis_in, k_out, k_in)
+            Self::Depolarizing(m00) => m00
+                .map(|a| Mat4::from_cols(vec4(a, 0., 0., 0.), Vec4::ZERO, Vec4::ZERO, Vec4::ZERO)),
+            Self::Diagonal { axis, elements } => Self::General {
+                axis_out: *axis,
+                axis_in: *axis,
+                matrices: elements.map(Element::matrix),
             }
-            Self::General { axis_out: own_out, axis_in: own_in, matrices } => {
+            .in_frames(axis_out, axis_in, k_out, k_in),
+            Self::General {
+                axis_out: own_out,
+                axis_in: own_in,
+                matrices,
+            } => {
                 let out = double_angle(axis_out, *own_out, k_out);
                 let inward = double_angle(*own_in, axis_in, k_in);
                 matrices.map(|m| {
@@ -372,7 +416,10 @@ impl<const N: usize> Light for Polarized<N> {
     }
     #[inline]
     fn diattenuating_retarder(axis: Vec3A, element: impl Fn(usize) -> Element) -> Self::Response {
-        MuellerResponse::Diagonal { axis, elements: std::array::from_fn(element) }
+        MuellerResponse::Diagonal {
+            axis,
+            elements: std::array::from_fn(element),
+        }
     }
     #[inline]
     fn depolarizer_between(
@@ -381,47 +428,84 @@ impl<const N: usize> Light for Polarized<N> {
         (axis_in, first): (Vec3A, Element),
     ) -> Self::Response {
         let column = vec4(last.mean, last.difference, 0., 0.);
-        let outer = Mat4::from_cols(column * first.mean, column * first.difference, Vec4::ZERO, Vec4::ZERO);
-        MuellerResponse::General { axis_out, axis_in, matrices: std::array::from_fn(|lane| outer * weight(lane)) }
+        let outer = Mat4::from_cols(
+            column * first.mean,
+            column * first.difference,
+            Vec4::ZERO,
+            Vec4::ZERO,
+        );
+        MuellerResponse::General {
+            axis_out,
+            axis_in,
+            matrices: std::array::from_fn(|lane| outer * weight(lane)),
+        }
     }
     #[inline]
     fn general(axis_out: Vec3A, axis_in: Vec3A, matrix: impl Fn(usize) -> Mat4) -> Self::Response {
-        MuellerResponse::General { axis_out, axis_in, matrices: std::array::from_fn(matrix) }
+        MuellerResponse::General {
+            axis_out,
+            axis_in,
+            matrices: std::array::from_fn(matrix),
+        }
     }
     #[inline]
     fn sum(a: Self::Response, b: Self::Response, k_out: Vec3A, k_in: Vec3A) -> Self::Response {
         let (axis_out, axis_in) = match a {
             MuellerResponse::Depolarizing(_) => match b {
                 MuellerResponse::Depolarizing(_) => {
-                    let (MuellerResponse::Depolarizing(a), MuellerResponse::Depolarizing(b)) = (a, b) else {
+                    let (MuellerResponse::Depolarizing(a), MuellerResponse::Depolarizing(b)) =
+                        (a, b)
+                    else {
                         return a;
                     };
-                    return MuellerResponse::Depolarizing(std::array::from_fn(|lane| a[lane] + b[lane]));
+                    return MuellerResponse::Depolarizing(std::array::from_fn(|lane| {
+                        a[lane] + b[lane]
+                    }));
                 }
                 MuellerResponse::Diagonal { axis, .. } => (axis, axis),
-                MuellerResponse::General { axis_out, axis_in, .. } => (axis_out, axis_in),
+                MuellerResponse::General {
+                    axis_out, axis_in, ..
+                } => (axis_out, axis_in),
             },
             MuellerResponse::Diagonal { axis, .. } => (axis, axis),
-            MuellerResponse::General { axis_out, axis_in, .. } => (axis_out, axis_in),
+            MuellerResponse::General {
+                axis_out, axis_in, ..
+            } => (axis_out, axis_in),
         };
         let a = a.in_frames(axis_out, axis_in, k_out, k_in);
         let b = b.in_frames(axis_out, axis_in, k_out, k_in);
-        MuellerResponse::General { axis_out, axis_in, matrices: std::array::from_fn(|lane| a[lane] + b[lane]) }
+        MuellerResponse::General {
+            axis_out,
+            axis_in,
+            matrices: std::array::from_fn(|lane| a[lane] + b[lane]),
+        }
     }
     #[inline]
     fn map_axes(response: Self::Response, turn: impl Fn(Vec3A) -> Vec3A) -> Self::Response {
         match response {
             MuellerResponse::Depolarizing(_) => response,
-            MuellerResponse::Diagonal { axis, elements } => MuellerResponse::Diagonal { axis: turn(axis), elements },
-            MuellerResponse::General { axis_out, axis_in, matrices } => {
-                MuellerResponse::General { axis_out: turn(axis_out), axis_in: turn(axis_in), matrices }
-            }
+            MuellerResponse::Diagonal { axis, elements } => MuellerResponse::Diagonal {
+                axis: turn(axis),
+                elements,
+            },
+            MuellerResponse::General {
+                axis_out,
+                axis_in,
+                matrices,
+            } => MuellerResponse::General {
+                axis_out: turn(axis_out),
+                axis_in: turn(axis_in),
+                matrices,
+            },
         }
     }
 
     #[inline]
     fn identity(axis: Vec3A) -> Self::Throughput {
-        MuellerThroughput::Full { axis, matrices: [Mat4::IDENTITY; N] }
+        MuellerThroughput::Full {
+            axis,
+            matrices: [Mat4::IDENTITY; N],
+        }
     }
 
     #[inline]
@@ -434,29 +518,57 @@ impl<const N: usize> Light for Polarized<N> {
         use MuellerResponse as R;
         use MuellerThroughput as T;
         match (throughput, response) {
-            (T::Full { matrices, .. }, R::Depolarizing(m00)) => {
-                T::Intensity { columns: std::array::from_fn(|i| matrices[i].x_axis * (m00[i] * weight)) }
-            }
-            (T::Full { axis: old, matrices }, R::Diagonal { axis, elements }) => {
+            (T::Full { matrices, .. }, R::Depolarizing(m00)) => T::Intensity {
+                columns: std::array::from_fn(|i| matrices[i].x_axis * (m00[i] * weight)),
+            },
+            (
+                T::Full {
+                    axis: old,
+                    matrices,
+                },
+                R::Diagonal { axis, elements },
+            ) => {
                 let turn = double_angle(*old, axis, k_out);
                 T::Full {
                     axis,
                     matrices: std::array::from_fn(|i| {
-                        times_element(&turn_columns(&matrices[i], turn), &elements[i].scaled(weight))
+                        times_element(
+                            &turn_columns(&matrices[i], turn),
+                            &elements[i].scaled(weight),
+                        )
                     }),
                 }
             }
-            (T::Full { axis: old, matrices }, R::General { axis_out, axis_in, matrices: m }) => {
+            (
+                T::Full {
+                    axis: old,
+                    matrices,
+                },
+                R::General {
+                    axis_out,
+                    axis_in,
+                    matrices: m,
+                },
+            ) => {
                 let turn = double_angle(*old, axis_out, k_out);
                 T::Full {
                     axis: axis_in,
-                    matrices: std::array::from_fn(|i| turn_columns(&matrices[i], turn) * (m[i] * weight)),
+                    matrices: std::array::from_fn(|i| {
+                        turn_columns(&matrices[i], turn) * (m[i] * weight)
+                    }),
                 }
             }
-            (T::RankOne { columns, rows, .. }, R::Depolarizing(m00)) => {
-                T::Intensity { columns: std::array::from_fn(|i| columns[i] * (rows[i].x * m00[i] * weight)) }
-            }
-            (T::RankOne { axis: old, columns, rows }, R::Diagonal { axis, elements }) => {
+            (T::RankOne { columns, rows, .. }, R::Depolarizing(m00)) => T::Intensity {
+                columns: std::array::from_fn(|i| columns[i] * (rows[i].x * m00[i] * weight)),
+            },
+            (
+                T::RankOne {
+                    axis: old,
+                    columns,
+                    rows,
+                },
+                R::Diagonal { axis, elements },
+            ) => {
                 let turn = double_angle(*old, axis, k_out);
                 T::RankOne {
                     axis,
@@ -466,23 +578,43 @@ impl<const N: usize> Light for Polarized<N> {
                     }),
                 }
             }
-            (T::RankOne { axis: old, columns, rows }, R::General { axis_out, axis_in, matrices }) => {
+            (
+                T::RankOne {
+                    axis: old,
+                    columns,
+                    rows,
+                },
+                R::General {
+                    axis_out,
+                    axis_in,
+                    matrices,
+                },
+            ) => {
                 let turn = double_angle(*old, axis_out, k_out);
                 T::RankOne {
                     axis: axis_in,
                     columns: *columns,
-                    rows: std::array::from_fn(|i| row_times_matrix(turn_row(rows[i], turn), &matrices[i]) * weight),
+                    rows: std::array::from_fn(|i| {
+                        row_times_matrix(turn_row(rows[i], turn), &matrices[i]) * weight
+                    }),
                 }
             }
-            (T::Intensity { columns }, R::Depolarizing(m00)) => {
-                T::Intensity { columns: std::array::from_fn(|i| columns[i] * (m00[i] * weight)) }
-            }
+            (T::Intensity { columns }, R::Depolarizing(m00)) => T::Intensity {
+                columns: std::array::from_fn(|i| columns[i] * (m00[i] * weight)),
+            },
             (T::Intensity { columns }, R::Diagonal { axis, elements }) => T::RankOne {
                 axis,
                 columns: *columns,
-                rows: std::array::from_fn(|i| vec4(elements[i].mean, elements[i].difference, 0., 0.) * weight),
+                rows: std::array::from_fn(|i| {
+                    vec4(elements[i].mean, elements[i].difference, 0., 0.) * weight
+                }),
             },
-            (T::Intensity { columns }, R::General { axis_in, matrices, .. }) => T::RankOne {
+            (
+                T::Intensity { columns },
+                R::General {
+                    axis_in, matrices, ..
+                },
+            ) => T::RankOne {
                 axis: axis_in,
                 columns: *columns,
                 rows: std::array::from_fn(|i| row_times_matrix(Vec4::X, &matrices[i]) * weight),
@@ -493,11 +625,15 @@ impl<const N: usize> Light for Polarized<N> {
     #[inline]
     fn collect(throughput: &Self::Throughput, radiance: [f32; N]) -> [Vec4; N] {
         match throughput {
-            MuellerThroughput::Full { matrices, .. } => std::array::from_fn(|i| matrices[i].x_axis * radiance[i]),
+            MuellerThroughput::Full { matrices, .. } => {
+                std::array::from_fn(|i| matrices[i].x_axis * radiance[i])
+            }
             MuellerThroughput::RankOne { columns, rows, .. } => {
                 std::array::from_fn(|i| columns[i] * (rows[i].x * radiance[i]))
             }
-            MuellerThroughput::Intensity { columns } => std::array::from_fn(|i| columns[i] * radiance[i]),
+            MuellerThroughput::Intensity { columns } => {
+                std::array::from_fn(|i| columns[i] * radiance[i])
+            }
         }
     }
 
@@ -514,19 +650,32 @@ impl<const N: usize> Light for Polarized<N> {
             MuellerResponse::Depolarizing(m00) => {
                 return Self::collect(throughput, std::array::from_fn(|i| m00[i] * radiance[i]));
             }
-            MuellerResponse::Diagonal { axis, elements } => {
-                (axis, std::array::from_fn(|i| vec4(elements[i].mean, elements[i].difference, 0., 0.) * radiance[i]))
-            }
-            MuellerResponse::General { axis_out, matrices, .. } => {
-                (axis_out, std::array::from_fn(|i| matrices[i].x_axis * radiance[i]))
-            }
+            MuellerResponse::Diagonal { axis, elements } => (
+                axis,
+                std::array::from_fn(|i| {
+                    vec4(elements[i].mean, elements[i].difference, 0., 0.) * radiance[i]
+                }),
+            ),
+            MuellerResponse::General {
+                axis_out, matrices, ..
+            } => (
+                axis_out,
+                std::array::from_fn(|i| matrices[i].x_axis * radiance[i]),
+            ),
         };
         match throughput {
-            T::Full { axis: old, matrices } => {
+            T::Full {
+                axis: old,
+                matrices,
+            } => {
                 let turn = double_angle(*old, axis, k_out);
                 std::array::from_fn(|i| matrices[i] * turn_vector(light[i], turn))
             }
-            T::RankOne { axis: old, columns, rows } => {
+            T::RankOne {
+                axis: old,
+                columns,
+                rows,
+            } => {
                 let turn = double_angle(*old, axis, k_out);
                 std::array::from_fn(|i| columns[i] * rows[i].dot(turn_vector(light[i], turn)))
             }
@@ -546,7 +695,9 @@ impl<const N: usize> Light for Polarized<N> {
         let strongest = |values: [f32; N]| values.into_iter().fold(0.0, f32::max);
         strongest(match throughput {
             MuellerThroughput::Full { matrices, .. } => matrices.map(|m| m.x_axis.x),
-            MuellerThroughput::RankOne { columns, rows, .. } => std::array::from_fn(|i| columns[i].x * rows[i].x),
+            MuellerThroughput::RankOne { columns, rows, .. } => {
+                std::array::from_fn(|i| columns[i].x * rows[i].x)
+            }
             MuellerThroughput::Intensity { columns } => columns.map(|c| c.x),
         })
     }
@@ -554,8 +705,11 @@ impl<const N: usize> Light for Polarized<N> {
     #[inline]
     fn scale(throughput: &mut Self::Throughput, weight: f32) {
         match throughput {
-            MuellerThroughput::Full { matrices, .. } => matrices.iter_mut().for_each(|m| *m *= weight),
-            MuellerThroughput::RankOne { columns, .. } | MuellerThroughput::Intensity { columns } => {
+            MuellerThroughput::Full { matrices, .. } => {
+                matrices.iter_mut().for_each(|m| *m *= weight);
+            }
+            MuellerThroughput::RankOne { columns, .. }
+            | MuellerThroughput::Intensity { columns } => {
                 columns.iter_mut().for_each(|c| *c *= weight);
             }
         }

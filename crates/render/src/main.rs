@@ -19,6 +19,8 @@ enum Task {
     Render(Box<cli::render::Args>),
     /// Make pictures from a Stokes image (ours or Mitsuba's)
     Maps(cli::maps::Args),
+    /// Say what a scene holds, needs and skips
+    Inspect(cli::inspect::Args),
     /// Compare two Stokes images, component by component
     Compare(cli::compare::Args),
 }
@@ -27,6 +29,7 @@ fn main() -> ExitCode {
     let outcome = match Command::parse().task {
         Task::Render(args) => cli::render::run(&args),
         Task::Maps(args) => cli::maps::run(&args),
+        Task::Inspect(args) => cli::inspect::run(&args),
         Task::Compare(args) => cli::compare::run(&args),
     };
     outcome.unwrap_or_else(|failure| {

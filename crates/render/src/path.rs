@@ -70,7 +70,12 @@ pub fn trace<L: Light>(
     stack: &mut Stack,
     counters: &mut Counters,
 ) -> L::Stokes {
-    let CameraSample { mut ray, axis, wavelengths, stream } = sample;
+    let CameraSample {
+        mut ray,
+        axis,
+        wavelengths,
+        stream,
+    } = sample;
     let mut seen = L::dark();
     let mut throughput = L::identity(axis);
     let mut pending: Option<Pending<'_>> = None;
@@ -88,7 +93,10 @@ pub fn trace<L: Light>(
         }
         let visible_source = !(options.hide_emitters && pending.is_none());
         let source = match &encounter {
-            Some(e) => e.owner.emitter.filter(|_| ray.direction.dot(e.surface.normal) < 0.0),
+            Some(e) => e
+                .owner
+                .emitter
+                .filter(|_| ray.direction.dot(e.surface.normal) < 0.0),
             None => scene.environment,
         }
         .filter(|_| visible_source);
@@ -100,11 +108,23 @@ pub fn trace<L: Light>(
         let mut share = 1.0;
         if let Some(from) = pending.take() {
             let coherence = scene.coherence(encounter.as_ref());
-            let Departure { direction: i, density, discrete, .. } = from.departure;
-            let (response, _) = from.material.respond::<L>(from.o, i, wavelengths, &coherence);
+            let Departure {
+                direction: i,
+                density,
+                discrete,
+                ..
+            } = from.departure;
+            let (response, _) = from
+                .material
+                .respond::<L>(from.o, i, wavelengths, &coherence);
             let response = L::map_axes(response, |v| from.frame.to_world(v));
-            throughput = L::extend(&throughput, response, density.recip(), from.frame.to_world(from.o));
-            if !(L::strength(&throughput) > 0.0) {
+            throughput = L::extend(
+                &throughput,
+                response,
+                density.recip(),
+                from.frame.to_world(from.o),
+            );
+            if L::strength(&throughput) <= 0.0 {
                 break;
             }
             if let (Some(emitter), false) = (source, discrete) {
@@ -147,7 +167,8 @@ pub fn trace<L: Light>(
 
         // connect to a light source
         if !material.is_discrete()
-            && let Some((emitter, connection)) = scene.connect(surface.position, &lit_frame, choice, stream.pair(dimension))
+            && let Some((emitter, connection)) =
+                scene.connect(surface.position, &lit_frame, choice, stream.pair(dimension))
         {
             let i = frame.to_local(connection.direction);
             let coherence = scene.coherence(None);
@@ -156,10 +177,23 @@ pub fn trace<L: Light>(
             if density > 0.0 {
                 counters.rays += 1;
                 if scene.is_visible(&surface, &connection, stack) {
-                    let share = if connection.discrete { 1.0 } else { power_heuristic(connection.density, density) };
+                    let share = if connection.discrete {
+                        1.0
+                    } else {
+                        power_heuristic(connection.density, density)
+                    };
                     let response = L::map_axes(response, |v| frame.to_world(v));
-                    let light = L::collect_through(&throughput, response, o_world, radiance_of::<L>(emitter, wavelengths));
-                    L::accumulate(&mut seen, light, share * connection.weight / connection.density);
+                    let light = L::collect_through(
+                        &throughput,
+                        response,
+                        o_world,
+                        radiance_of::<L>(emitter, wavelengths),
+                    );
+                    L::accumulate(
+                        &mut seen,
+                        light,
+                        share * connection.weight / connection.density,
+                    );
                 }
             }
         }
@@ -167,7 +201,9 @@ pub fn trace<L: Light>(
         // go on toward the light
         let [u, v] = stream.pair(dimension + 4);
         let [lobe, _] = stream.pair(dimension + 6);
-        let Some(departure) = material.sample(o, wavelengths, [lobe, u, v]) else { break };
+        let Some(departure) = material.sample(o, wavelengths, [lobe, u, v]) else {
+            break;
+        };
         let direction = frame.to_world(departure.direction);
         eta *= departure.eta;
         ray = Ray {
@@ -175,7 +211,14 @@ pub fn trace<L: Light>(
             direction,
             t_max: f32::INFINITY,
         };
-        pending = Some(Pending { material, frame, o, departure, position: surface.position, lit_frame });
+        pending = Some(Pending {
+            material,
+            frame,
+            o,
+            departure,
+            position: surface.position,
+            lit_frame,
+        });
         depth += 1;
     }
     seen
@@ -194,7 +237,12 @@ fn beyond_emitters(
     counters: &mut Counters,
 ) -> Option<Encounter> {
     while let Some(e) = encounter.filter(|e| e.owner.emitter.is_some()) {
-        ray.origin = offset_origin(e.surface.position, e.surface.error, e.surface.normal, ray.direction);
+        ray.origin = offset_origin(
+            e.surface.position,
+            e.surface.error,
+            e.surface.normal,
+            ray.direction,
+        );
         counters.rays += 1;
         encounter = scene.intersect(ray, stack);
     }

@@ -6,8 +6,7 @@
 use std::f32::consts::{FRAC_PI_4, TAU};
 
 /// A generator of sample points, by the name that `--sampler` takes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[derive(clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Generator {
     /// Independent uniform numbers
     #[default]
@@ -44,13 +43,17 @@ impl SampleStream {
     /// The stream of sample `sample` of the pixel with running number `pixel`.
     #[inline]
     pub fn new(seed: u64, pixel: u64, sample: u64) -> Self {
-        Self { key: mix(mix(mix(seed.wrapping_add(GOLDEN)) ^ pixel).wrapping_add(GOLDEN) ^ sample) }
+        Self {
+            key: mix(mix(mix(seed.wrapping_add(GOLDEN)) ^ pixel).wrapping_add(GOLDEN) ^ sample),
+        }
     }
 
     /// Two uniform numbers in [0, 1) at an even dimension and the next.
     #[inline]
     pub fn pair(self, dimension: u32) -> [f32; 2] {
-        let bits = mix(self.key.wrapping_add(u64::from(dimension / 2 + 1).wrapping_mul(GOLDEN)));
+        let bits = mix(self
+            .key
+            .wrapping_add(u64::from(dimension / 2 + 1).wrapping_mul(GOLDEN)));
         [unit(bits as u32), unit((bits >> 32) as u32)]
     }
 }
@@ -64,8 +67,11 @@ pub fn unit_disk([u, v]: [f32; 2]) -> (f32, f32) {
     if x == 0.0 && y == 0.0 {
         return (0.0, 0.0);
     }
-    let (r, phi) =
-        if x.abs() > y.abs() { (x, FRAC_PI_4 * (y / x)) } else { (y, 2.0 * FRAC_PI_4 - FRAC_PI_4 * (x / y)) };
+    let (r, phi) = if x.abs() > y.abs() {
+        (x, FRAC_PI_4 * (y / x))
+    } else {
+        (y, 2.0 * FRAC_PI_4 - FRAC_PI_4 * (x / y))
+    };
     let (sin, cos) = phi.sin_cos();
     (r * cos, r * sin)
 }
@@ -99,7 +105,9 @@ mod tests {
             bins[(v * 16.0) as usize] += 1;
             n += 1.0;
         }
-        bins.iter().map(|&b| (f64::from(b) - n / 16.0).powi(2) / (n / 16.0)).sum()
+        bins.iter()
+            .map(|&b| (f64::from(b) - n / 16.0).powi(2) / (n / 16.0))
+            .sum()
     }
 
     #[test]
@@ -118,8 +126,14 @@ mod tests {
     fn neighbouring_pixels_samples_and_dimensions_are_uncorrelated() {
         let n = 100_000u64;
         let correlation = |f: &dyn Fn(u64) -> (f32, f32)| {
-            (0..n).map(|i| { let (a, b) = f(i); (f64::from(a) - 0.5) * (f64::from(b) - 0.5) }).sum::<f64>()
-                / n as f64 * 12.0
+            (0..n)
+                .map(|i| {
+                    let (a, b) = f(i);
+                    (f64::from(a) - 0.5) * (f64::from(b) - 0.5)
+                })
+                .sum::<f64>()
+                / n as f64
+                * 12.0
         };
         // standard deviation of the estimate is 1/√n = 0.0032; bound at 5 of them
         let at = |p, s, d| SampleStream::new(9, p, s).pair(d);
@@ -138,6 +152,9 @@ mod tests {
         let n = 160_000u64;
         let points = || (0..n).map(|i| unit_disk(SampleStream::new(2, 0, i).pair(0)));
         assert!(chi_squared(points().map(|(x, y)| (x * x + y * y).min(0.999_999))) < 56.5);
-        assert!(chi_squared(points().map(|(x, y)| (y.atan2(x) / TAU + 0.5).clamp(0.0, 0.999_999))) < 56.5);
+        assert!(
+            chi_squared(points().map(|(x, y)| (y.atan2(x) / TAU + 0.5).clamp(0.0, 0.999_999)))
+                < 56.5
+        );
     }
 }

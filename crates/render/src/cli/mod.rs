@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 pub mod compare;
+pub mod inspect;
 pub mod maps;
 pub mod render;
 pub mod values;

@@ -16,6 +16,7 @@ use crate::engine::{self, Job, Limits, Progress, Rendering};
 use crate::film::SpectralMode;
 use crate::image::{Colour, StokesImage};
 use crate::maps::{self, MapOptions};
+use crate::needs::Needs;
 use crate::output::{self, ImageError, WriteOptions};
 use crate::sampler::Generator;
 use crate::scene::{self, Overrides};
@@ -102,12 +103,23 @@ pub fn run(args: &Args) -> Outcome {
     }
     let bar = progress_bar(args.quiet, job.samples);
     let stop = stop_on_interrupt()?;
-    let limits = Limits { time: args.time, error: args.target_error };
-    let rendering = pool.install(|| engine::render(&job, limits, &stop, |progress| show(&bar, progress)));
+    let limits = Limits {
+        time: args.time,
+        error: args.target_error,
+    };
+    let rendering =
+        pool.install(|| engine::render(&job, limits, &stop, |progress| show(&bar, progress)));
     bar.finish_and_clear();
 
     let image = to_image(args, &job, &rendering);
-    output::write(&output, &image, &WriteOptions { mitsuba_channels: args.mitsuba_channels }).map_err(failure)?;
+    output::write(
+        &output,
+        &image,
+        &WriteOptions {
+            mitsuba_channels: args.mitsuba_channels,
+        },
+    )
+    .map_err(failure)?;
     if !args.quiet {
         tell(&output, &rendering, start.elapsed());
     }
@@ -127,9 +139,16 @@ fn map_options(args: &Args) -> Result<Option<MapOptions>, Failure> {
     if args.maps.is_empty() {
         return Ok(None);
     }
-    let maps = if args.maps == ["all"] { Vec::new() } else { args.maps.clone() };
+    let maps = if args.maps == ["all"] {
+        Vec::new()
+    } else {
+        args.maps.clone()
+    };
     maps::check_names(&maps).map_err(failure)?;
-    Ok(Some(MapOptions { maps, ..MapOptions::default() }))
+    Ok(Some(MapOptions {
+        maps,
+        ..MapOptions::default()
+    }))
 }
 
 fn failure(error: ImageError) -> Failure {
@@ -145,13 +164,24 @@ fn output_path(args: &Args) -> Result<PathBuf, Failure> {
         let stem = args.scene.file_stem().unwrap_or(args.scene.as_os_str());
         return Ok(Path::new(stem).with_extension("exr"));
     };
-    let known = output.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr") || e.eq_ignore_ascii_case("npy"));
+    let known = output
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("exr") || e.eq_ignore_ascii_case("npy"));
     if !known {
-        return Err(Failure::Usage(format!("{}: unknown kind of image, expected a name in .exr or .npy", output.display())));
+        return Err(Failure::Usage(format!(
+            "{}: unknown kind of image, expected a name in .exr or .npy",
+            output.display()
+        )));
     }
-    let folder = output.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = output
+        .parent()
+        .filter(|p| !p.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
     if !folder.is_dir() {
-        return Err(Failure::Usage(format!("{}: no such folder, expected one to write into", folder.display())));
+        return Err(Failure::Usage(format!(
+            "{}: no such folder, expected one to write into",
+            folder.display()
+        )));
     }
     Ok(output.clone())
 }
@@ -159,18 +189,32 @@ fn output_path(args: &Args) -> Result<PathBuf, Failure> {
 /// Reads the scene and joins it with the command line; also what the user should know about the file.
 fn load(args: &Args) -> Result<(Job, Vec<String>), Failure> {
     let wrong = |e: scene::SceneError| Failure::Usage(e.to_string());
-    let defines: Vec<(String, String)> = args.define.iter().map(|d| (d.name.clone(), d.value.clone())).collect();
+    let defines: Vec<(String, String)> = args
+        .define
+        .iter()
+        .map(|d| (d.name.clone(), d.value.clone()))
+        .collect();
     let document = scene::read(&args.scene, &defines).map_err(wrong)?;
-    let overrides = Overrides { size: args.size.map(|s| s.0), crop: args.crop.map(|c| c.0) };
+    let overrides = Overrides {
+        size: args.size.map(|s| s.0),
+        crop: args.crop.map(|c| c.0),
+    };
     let built = scene::build(&document, overrides).map_err(wrong)?;
     let film = &built.film;
     let fits = (0..2).all(|axis| {
-        film.crop_offset[axis].checked_add(film.crop_size[axis]).is_some_and(|end| end <= film.size[axis])
+        film.crop_offset[axis]
+            .checked_add(film.crop_size[axis])
+            .is_some_and(|end| end <= film.size[axis])
     });
     if !fits {
         return Err(Failure::Usage(format!(
             "--crop: {},{},{},{} reaches beyond the film, expected a window within {}x{}",
-            film.crop_offset[0], film.crop_offset[1], film.crop_size[0], film.crop_size[1], film.size[0], film.size[1]
+            film.crop_offset[0],
+            film.crop_offset[1],
+            film.crop_size[0],
+            film.crop_size[1],
+            film.size[0],
+            film.size[1]
         )));
     }
     let mode = if args.rgb {
@@ -180,6 +224,7 @@ fn load(args: &Args) -> Result<(Job, Vec<String>), Failure> {
     } else {
         SpectralMode::Single(args.wavelength.unwrap_or(550.0))
     };
+    let needs = Needs::of(&built.scene, &built.paths, &built.material_names);
     let job = Job {
         scene: built.scene,
         camera: built.camera,
@@ -187,6 +232,7 @@ fn load(args: &Args) -> Result<(Job, Vec<String>), Failure> {
         paths: built.paths,
         mode,
         polarized: !args.unpolarized,
+        follow_polarization: !args.unpolarized && needs.polarization(),
         samples: args.spp.unwrap_or(built.samples),
         seed: args.seed,
     };
@@ -194,7 +240,11 @@ fn load(args: &Args) -> Result<(Job, Vec<String>), Failure> {
 }
 
 fn progress_bar(quiet: bool, samples: u64) -> ProgressBar {
-    let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+    let target = if quiet {
+        ProgressDrawTarget::hidden()
+    } else {
+        ProgressDrawTarget::stderr()
+    };
     let style = ProgressStyle::with_template("{wide_bar} {pos}/{len} spp  {msg}  {eta} left")
         .expect("the template is well formed");
     ProgressBar::with_draw_target(Some(samples), target).with_style(style)
@@ -202,7 +252,10 @@ fn progress_bar(quiet: bool, samples: u64) -> ProgressBar {
 
 fn show(bar: &ProgressBar, progress: Progress) {
     let rate = progress.counters.paths as f64 / progress.elapsed.as_secs_f64().max(1e-9) / 1e6;
-    bar.set_message(format!("{rate:.2} Mpaths/s  error {:.2} %", 100.0 * progress.error));
+    bar.set_message(format!(
+        "{rate:.2} Mpaths/s  error {:.2} %",
+        100.0 * progress.error
+    ));
     bar.set_position(progress.samples);
 }
 
@@ -216,7 +269,10 @@ fn stop_on_interrupt() -> Result<Arc<AtomicBool>, Failure> {
             std::process::exit(1);
         }
         // best effort: nobody may be listening
-        let _ = writeln!(std::io::stderr(), "\ninterrupted: finishing this pass; once more to quit at once");
+        let _ = writeln!(
+            std::io::stderr(),
+            "\ninterrupted: finishing this pass; once more to quit at once"
+        );
     })
     .map_err(|e| Failure::Work(format!("interrupts cannot be caught: {e}")))?;
     Ok(stop)
@@ -225,8 +281,12 @@ fn stop_on_interrupt() -> Result<Arc<AtomicBool>, Failure> {
 fn to_image(args: &Args, job: &Job, rendering: &Rendering) -> StokesImage {
     let [width, height] = job.film.crop_size.map(|n| n as usize);
     let colour = match &job.mode {
-        SpectralMode::Single(wavelength) => Colour::Mono { wavelength_nm: Some(*wavelength) },
-        SpectralMode::Bands { .. } => Colour::Bands { wavelengths_nm: job.mode.band_centres() },
+        SpectralMode::Single(wavelength) => Colour::Mono {
+            wavelength_nm: Some(*wavelength),
+        },
+        SpectralMode::Bands { .. } => Colour::Bands {
+            wavelengths_nm: job.mode.band_centres(),
+        },
         SpectralMode::Rgb => Colour::Rgb,
     };
     let mut image = StokesImage::new(width, height, rendering.components(), colour);
@@ -238,13 +298,21 @@ fn to_image(args: &Args, job: &Job, rendering: &Rendering) -> StokesImage {
     image
 }
 
-fn metadata(args: &Args, job: &Job, rendering: &Rendering) -> std::collections::BTreeMap<String, String> {
+fn metadata(
+    args: &Args,
+    job: &Job,
+    rendering: &Rendering,
+) -> std::collections::BTreeMap<String, String> {
     let wavelengths = match &job.mode {
         SpectralMode::Single(wavelength) => format!("{wavelength} nm"),
-        SpectralMode::Bands { from, to, count } => format!("{count} equal bands from {from} to {to} nm, mean over each"),
+        SpectralMode::Bands { from, to, count } => {
+            format!("{count} equal bands from {from} to {to} nm, mean over each")
+        }
         SpectralMode::Rgb => "linear sRGB from 360 to 830 nm, CIE 1931".to_owned(),
     };
-    let since_epoch = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
+    let since_epoch = SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .map_or(0, |d| d.as_secs());
     [
         ("scene", args.scene.display().to_string()),
         ("seed", job.seed.to_string()),
@@ -253,7 +321,7 @@ fn metadata(args: &Args, job: &Job, rendering: &Rendering) -> std::collections::
         ("frame", "per sample: x = normalize(viewing direction x camera up), image right; y image up; seen from the sensor".to_owned()),
         ("handedness", "S3 > 0: clockwise for an observer who faces the source (right-handed)".to_owned()),
         ("version", format!("brewster {}", env!("CARGO_PKG_VERSION"))),
-        ("time", format!("{} s since 1970-01-01 UTC", since_epoch)),
+        ("time", format!("{since_epoch} s since 1970-01-01 UTC")),
         ("renderSeconds", format!("{:.3}", rendering.wall.as_secs_f64())),
     ]
     .into_iter()
@@ -262,7 +330,11 @@ fn metadata(args: &Args, job: &Job, rendering: &Rendering) -> std::collections::
 }
 
 fn tell(output: &Path, rendering: &Rendering, elapsed: Duration) {
-    let stopped = if rendering.interrupted { " (interrupted)" } else { "" };
+    let stopped = if rendering.interrupted {
+        " (interrupted)"
+    } else {
+        ""
+    };
     eprintln!(
         "{}: {} spp{stopped}, error {:.2} %, {:.2} Mpaths/s, {:.1} s",
         output.display(),

@@ -14,7 +14,9 @@ impl FromStr for Size {
         let numbers = numbers(text, &['x', 'X']);
         match numbers.as_deref() {
             Some(&[width @ 1..=65_536, height @ 1..=65_536]) => Ok(Self([width, height])),
-            _ => Err(format!("'{text}', expected width and height in pixels from 1 to 65536, such as 640x480")),
+            _ => Err(format!(
+                "'{text}', expected width and height in pixels from 1 to 65536, such as 640x480"
+            )),
         }
     }
 }
@@ -28,14 +30,20 @@ impl FromStr for Crop {
 
     fn from_str(text: &str) -> Result<Self, String> {
         match numbers(text, &[',']).as_deref() {
-            Some(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Self([x, y, width, height])),
-            _ => Err(format!("'{text}', expected left, top, width and height in pixels, such as 100,50,64,64")),
+            Some(&[x, y, width, height]) if width > 0 && height > 0 => {
+                Ok(Self([x, y, width, height]))
+            }
+            _ => Err(format!(
+                "'{text}', expected left, top, width and height in pixels, such as 100,50,64,64"
+            )),
         }
     }
 }
 
 fn numbers(text: &str, separators: &[char]) -> Option<Vec<u32>> {
-    text.split(separators).map(|part| part.trim().parse().ok()).collect()
+    text.split(separators)
+        .map(|part| part.trim().parse().ok())
+        .collect()
 }
 
 /// `FROM:TO:N`: equal bands, nm.
@@ -53,9 +61,15 @@ impl FromStr for Band {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let wrong = || format!("'{text}', expected FROM:TO:N with FROM < TO and N from 1 to 1000, such as 400nm:700nm:16");
+        let wrong = || {
+            format!(
+                "'{text}', expected FROM:TO:N with FROM < TO and N from 1 to 1000, such as 400nm:700nm:16"
+            )
+        };
         let parts: Vec<&str> = text.split(':').collect();
-        let &[from, to, count] = &parts[..] else { return Err(wrong()) };
+        let &[from, to, count] = &parts[..] else {
+            return Err(wrong());
+        };
         let (from, to) = (parse_wavelength(from)?, parse_wavelength(to)?);
         match count.trim().parse() {
             Ok(count @ 1..=1000) if from < to => Ok(Self { from, to, count }),
@@ -78,7 +92,10 @@ impl FromStr for Define {
 
     fn from_str(text: &str) -> Result<Self, String> {
         match text.split_once('=') {
-            Some((name, value)) if !name.is_empty() => Ok(Self { name: name.to_owned(), value: value.to_owned() }),
+            Some((name, value)) if !name.is_empty() => Ok(Self {
+                name: name.to_owned(),
+                value: value.to_owned(),
+            }),
             _ => Err(format!("'{text}', expected NAME=VALUE")),
         }
     }
@@ -95,7 +112,9 @@ pub fn parse_wavelength(text: &str) -> Result<f64, String> {
     };
     match number.trim().parse::<f64>() {
         Ok(value) if (1.0..=1e9).contains(&(value * factor)) => Ok(value * factor),
-        _ => Err(format!("'{text}', expected a wavelength from 1nm to 1000mm, such as 550nm or 1.6um")),
+        _ => Err(format!(
+            "'{text}', expected a wavelength from 1nm to 1000mm, such as 550nm or 1.6um"
+        )),
     }
 }
 
@@ -108,8 +127,12 @@ pub fn parse_duration(text: &str) -> Result<Duration, String> {
         .find_map(|(unit, factor)| text.strip_suffix(unit).map(|number| (number, *factor)))
         .unwrap_or((text, 1.0));
     match number.trim().parse::<f64>() {
-        Ok(value) if value > 0.0 && value * factor < 1e9 => Ok(Duration::from_secs_f64(value * factor)),
-        _ => Err(format!("'{text}', expected a positive time such as 60s, 5m or 1h")),
+        Ok(value) if value > 0.0 && value * factor < 1e9 => {
+            Ok(Duration::from_secs_f64(value * factor))
+        }
+        _ => Err(format!(
+            "'{text}', expected a positive time such as 60s, 5m or 1h"
+        )),
     }
 }
 
@@ -117,7 +140,9 @@ pub fn parse_duration(text: &str) -> Result<Duration, String> {
 pub fn parse_error(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
-        _ => Err(format!("'{text}', expected a positive number such as 0.01 (1 %)")),
+        _ => Err(format!(
+            "'{text}', expected a positive number such as 0.01 (1 %)"
+        )),
     }
 }
 
@@ -133,14 +158,30 @@ mod tests {
         assert_eq!(parse_wavelength("550"), Ok(550.0));
         assert_eq!(parse_duration("1.5m"), Ok(Duration::from_secs(90)));
         assert_eq!(parse_duration("250ms"), Ok(Duration::from_millis(250)));
-        assert_eq!("400nm:700nm:16".parse(), Ok(Band { from: 400.0, to: 700.0, count: 16 }));
-        assert_eq!("a=b=c".parse(), Ok(Define { name: "a".into(), value: "b=c".into() }));
+        assert_eq!(
+            "400nm:700nm:16".parse(),
+            Ok(Band {
+                from: 400.0,
+                to: 700.0,
+                count: 16
+            })
+        );
+        assert_eq!(
+            "a=b=c".parse(),
+            Ok(Define {
+                name: "a".into(),
+                value: "b=c".into()
+            })
+        );
     }
 
     #[test]
     fn nonsense_is_refused_with_an_example() {
         for text in ["", "0x10", "10", "10x", "-1x5", "1e3x1", "99999999999x1"] {
-            assert!(text.parse::<Size>().is_err_and(|e| e.contains("640x480")), "{text}");
+            assert!(
+                text.parse::<Size>().is_err_and(|e| e.contains("640x480")),
+                "{text}"
+            );
         }
         for text in ["700nm:400nm:3", "400:700:0", "400:700", "400:700:x"] {
             assert!(text.parse::<Band>().is_err(), "{text}");

@@ -27,7 +27,14 @@ pub struct Area {
 impl Area {
     /// Reads its parameters.
     pub fn read(object: &Object, body: Body) -> Result<Self, SceneError> {
-        Ok(Self { radiance: object.spectrum("radiance", SpectrumUse::Emission, Spectrum::constant(1.0))?, body })
+        Ok(Self {
+            radiance: object.spectrum(
+                "radiance",
+                SpectrumUse::Emission,
+                Spectrum::constant(1.0),
+            )?,
+            body,
+        })
     }
 
     #[inline]
@@ -39,7 +46,11 @@ impl Area {
         let direction = (sample.position - from).normalize();
         (direction.dot(sample.normal) < 0.0).then_some(Connection {
             direction,
-            target: Some(Target { position: sample.position, error: sample.error, normal: sample.normal }),
+            target: Some(Target {
+                position: sample.position,
+                error: sample.error,
+                normal: sample.normal,
+            }),
             density: sample.pdf,
             discrete: false,
             weight: 1.0,

@@ -28,7 +28,13 @@ pub struct Constant {
 impl Constant {
     /// Reads its parameters.
     pub fn read(object: &Object) -> Result<Self, SceneError> {
-        Ok(Self { radiance: object.spectrum("radiance", SpectrumUse::Emission, Spectrum::constant(1.0))? })
+        Ok(Self {
+            radiance: object.spectrum(
+                "radiance",
+                SpectrumUse::Emission,
+                Spectrum::constant(1.0),
+            )?,
+        })
     }
 
     /// By the cosine at the vertex: matter that reflects sees nothing of the other half.

@@ -31,21 +31,37 @@ impl Directional {
         let along_z = object.transform("to_world")?.transform_vector3(DVec3::Z);
         let direction = match object.optional_vector("direction")? {
             Some(_) if object.has("to_world") => {
-                return Err(object.error_at("direction", "both 'direction' and 'to_world' are given, expected one of them"));
+                return Err(object.error_at(
+                    "direction",
+                    "both 'direction' and 'to_world' are given, expected one of them",
+                ));
             }
-            Some(direction) => DVec3::from(direction)
-                .try_normalize()
-                .ok_or_else(|| object.error_at("direction", "a direction of no length, expected a vector other than 0"))?,
+            Some(direction) => DVec3::from(direction).try_normalize().ok_or_else(|| {
+                object.error_at(
+                    "direction",
+                    "a direction of no length, expected a vector other than 0",
+                )
+            })?,
             None => along_z.normalize(),
         };
         Ok(Self {
             toward: -direction.as_vec3a(),
-            irradiance: object.spectrum("irradiance", SpectrumUse::Emission, Spectrum::constant(1.0))?,
+            irradiance: object.spectrum(
+                "irradiance",
+                SpectrumUse::Emission,
+                Spectrum::constant(1.0),
+            )?,
         })
     }
 
     #[inline]
     pub(super) fn connect(&self) -> Option<Connection> {
-        Some(Connection { direction: self.toward, target: None, density: 1.0, discrete: true, weight: 1.0 })
+        Some(Connection {
+            direction: self.toward,
+            target: None,
+            density: 1.0,
+            discrete: true,
+            weight: 1.0,
+        })
     }
 }

@@ -56,7 +56,13 @@ pub struct Target {
 impl Emitter {
     /// Draws a way from a vertex to the source. `frame` has its normal on the side from which the vertex can be lit.
     #[inline]
-    pub fn connect(&self, scene: &Scene, from: Vec3A, frame: &Frame, u: [f32; 2]) -> Option<Connection> {
+    pub fn connect(
+        &self,
+        scene: &Scene,
+        from: Vec3A,
+        frame: &Frame,
+        u: [f32; 2],
+    ) -> Option<Connection> {
         match self {
             Self::Area(e) => e.connect(scene, from, u),
             Self::Constant(e) => e.connect(frame, u),

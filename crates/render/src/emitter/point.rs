@@ -31,7 +31,11 @@ pub(super) fn connect_to(position: Vec3A, from: Vec3A) -> Option<Connection> {
     let squared = to.length_squared();
     (squared > 0.0).then(|| Connection {
         direction: to / squared.sqrt(),
-        target: Some(Target { position, error: Vec3A::ZERO, normal: Vec3A::ZERO }),
+        target: Some(Target {
+            position,
+            error: Vec3A::ZERO,
+            normal: Vec3A::ZERO,
+        }),
         density: 1.0,
         discrete: true,
         weight: squared.recip(),
@@ -44,14 +48,21 @@ impl Point {
         let placed = object.transform("to_world")?.transform_point3(DVec3::ZERO);
         let position = match object.optional_point("position")? {
             Some(_) if object.has("to_world") => {
-                return Err(object.error_at("position", "both 'position' and 'to_world' are given, expected one of them"));
+                return Err(object.error_at(
+                    "position",
+                    "both 'position' and 'to_world' are given, expected one of them",
+                ));
             }
             Some(position) => position.into(),
             None => placed,
         };
         Ok(Self {
             position: position.as_vec3a(),
-            intensity: object.spectrum("intensity", SpectrumUse::Emission, Spectrum::constant(1.0))?,
+            intensity: object.spectrum(
+                "intensity",
+                SpectrumUse::Emission,
+                Spectrum::constant(1.0),
+            )?,
         })
     }
 

@@ -38,12 +38,17 @@ impl Spot {
         let cutoff = object.float("cutoff_angle", 20.0)?;
         let beam = object.float("beam_width", 0.75 * cutoff)?;
         if !(cutoff > 0.0 && cutoff <= 180.0) {
-            return Err(object.error_at("cutoff_angle", format!("an angle of {cutoff}°, expected one between 0 and 180")));
+            return Err(object.error_at(
+                "cutoff_angle",
+                format!("an angle of {cutoff}°, expected one between 0 and 180"),
+            ));
         }
         if !(0.0..=cutoff).contains(&beam) {
             return Err(object.error_at(
                 "beam_width",
-                format!("an angle of {beam}°, expected one between 0 and 'cutoff_angle' ({cutoff}°)"),
+                format!(
+                    "an angle of {beam}°, expected one between 0 and 'cutoff_angle' ({cutoff}°)"
+                ),
             ));
         }
         Ok(Self {
@@ -51,7 +56,11 @@ impl Spot {
             axis: to_world.transform_vector3(DVec3::Z).normalize().as_vec3a(),
             cutoff: cutoff.to_radians() as f32,
             beam: beam.to_radians() as f32,
-            intensity: object.spectrum("intensity", SpectrumUse::Emission, Spectrum::constant(1.0))?,
+            intensity: object.spectrum(
+                "intensity",
+                SpectrumUse::Emission,
+                Spectrum::constant(1.0),
+            )?,
         })
     }
 
@@ -70,8 +79,15 @@ impl Spot {
     pub(super) fn connect(&self, from: Vec3A) -> Option<Connection> {
         let connection = connect_to(self.position, from)?;
         // acos loses half its digits at 0; sine and cosine together do not
-        let angle = self.axis.cross(connection.direction).length().atan2(-self.axis.dot(connection.direction));
+        let angle = self
+            .axis
+            .cross(connection.direction)
+            .length()
+            .atan2(-self.axis.dot(connection.direction));
         let falloff = self.falloff(angle);
-        (falloff > 0.0).then_some(Connection { weight: connection.weight * falloff, ..connection })
+        (falloff > 0.0).then_some(Connection {
+            weight: connection.weight * falloff,
+            ..connection
+        })
     }
 }

@@ -22,16 +22,25 @@ pub struct Bounds {
 
 impl Bounds {
     /// The box that contains nothing.
-    pub const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
+    pub const EMPTY: Self = Self {
+        min: Vec3A::INFINITY,
+        max: Vec3A::NEG_INFINITY,
+    };
 
     /// The smallest box around some points.
     pub fn of(points: impl IntoIterator<Item = Vec3A>) -> Self {
-        points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
+        points.into_iter().fold(Self::EMPTY, |b, p| Self {
+            min: b.min.min(p),
+            max: b.max.max(p),
+        })
     }
 
     /// Grown by `margin` on every side.
     pub fn grown(self, margin: Vec3A) -> Self {
-        Self { min: self.min - margin, max: self.max + margin }
+        Self {
+            min: self.min - margin,
+            max: self.max + margin,
+        }
     }
 }
 
@@ -79,7 +88,10 @@ impl Bvh {
             .iter()
             .map(|corners| Bounds::of(*corners))
             .chain(shapes.iter().copied())
-            .map(|b| Aabb { min: b.min, max: b.max })
+            .map(|b| Aabb {
+                min: b.min,
+                max: b.max,
+            })
             .collect();
         if boxes.is_empty() {
             return Self::default();
@@ -87,7 +99,11 @@ impl Bvh {
         let mut parameters = BvhBuildParams::medium_build();
         parameters.max_prims_per_leaf = 1;
         let binary = build_bvh2(&boxes, parameters, &mut Duration::default());
-        let mut collapse = Collapse { binary: &binary, triangles, bvh: Self::default() };
+        let mut collapse = Collapse {
+            binary: &binary,
+            triangles,
+            bvh: Self::default(),
+        };
         collapse.root();
         collapse.bvh
     }
@@ -122,8 +138,16 @@ impl Bvh {
         let inverse = ray.direction.recip();
         let far_side = ray.direction.cmpge(Vec3A::ZERO).bitmask() as usize;
         let side = [far_side & 1, far_side >> 1 & 1, far_side >> 2 & 1];
-        let origin = [Vec4::splat(ray.origin.x), Vec4::splat(ray.origin.y), Vec4::splat(ray.origin.z)];
-        let inverse = [Vec4::splat(inverse.x), Vec4::splat(inverse.y), Vec4::splat(inverse.z)];
+        let origin = [
+            Vec4::splat(ray.origin.x),
+            Vec4::splat(ray.origin.y),
+            Vec4::splat(ray.origin.z),
+        ];
+        let inverse = [
+            Vec4::splat(inverse.x),
+            Vec4::splat(inverse.y),
+            Vec4::splat(inverse.z),
+        ];
         // a box counts as hit although rounding moved its far side before its near side
         let margin = Vec4::splat(1.0 + 2.0 * gamma(3));
         let mut best: Option<Hit> = None;
@@ -174,9 +198,16 @@ impl Bvh {
                     }
                 }
                 TRIANGLES => {
-                    if let Some(hit) = self.blocks[(current & !KIND) as usize].intersect(&shear, t_max) {
+                    if let Some(hit) =
+                        self.blocks[(current & !KIND) as usize].intersect(&shear, t_max)
+                    {
                         t_max = hit.t;
-                        best = Some(Hit { t: hit.t, primitive: hit.triangle, u: hit.u, v: hit.v });
+                        best = Some(Hit {
+                            t: hit.t,
+                            primitive: hit.triangle,
+                            u: hit.u,
+                            v: hit.v,
+                        });
                         if ANY {
                             return best;
                         }
@@ -186,7 +217,12 @@ impl Bvh {
                     let index = current & !KIND;
                     if let Some((t, u, v)) = shape(index, t_max) {
                         t_max = t;
-                        best = Some(Hit { t, primitive: triangle_count + index, u, v });
+                        best = Some(Hit {
+                            t,
+                            primitive: triangle_count + index,
+                            u,
+                            v,
+                        });
                         if ANY {
                             return best;
                         }
@@ -247,7 +283,10 @@ impl Collapse<'_> {
         let mut open = vec![n.first_index as usize, n.first_index as usize + 1];
         while open.len() < 4 {
             let largest = (0..open.len())
-                .filter(|&i| self.binary.nodes[open[i]].prim_count == 0 && !self.few_triangles(open[i], &mut Vec::new()))
+                .filter(|&i| {
+                    self.binary.nodes[open[i]].prim_count == 0
+                        && !self.few_triangles(open[i], &mut Vec::new())
+                })
                 .max_by(|&i, &j| {
                     let area = |i: usize| self.binary.nodes[open[i]].aabb.half_area();
                     area(i).total_cmp(&area(j))
@@ -299,5 +338,8 @@ impl Collapse<'_> {
 
 /// Four boxes that nothing hits.
 fn empty_node() -> Node {
-    Node { bounds: [[Vec4::INFINITY, Vec4::NEG_INFINITY]; 3], children: [0; 4] }
+    Node {
+        bounds: [[Vec4::INFINITY, Vec4::NEG_INFINITY]; 3],
+        children: [0; 4],
+    }
 }

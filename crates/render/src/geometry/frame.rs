@@ -36,7 +36,11 @@ impl Frame {
         let length = s.length();
         if length > 0.0 && length.is_finite() {
             let s = s / length;
-            Self { s, t: n.cross(s), n }
+            Self {
+                s,
+                t: n.cross(s),
+                n,
+            }
         } else {
             Self::around(n)
         }
@@ -46,7 +50,11 @@ impl Frame {
     /// handedness of polarization is kept.
     #[inline]
     pub fn flipped(self) -> Self {
-        Self { s: self.s, t: -self.t, n: -self.n }
+        Self {
+            s: self.s,
+            t: -self.t,
+            n: -self.n,
+        }
     }
 
     /// World to local coordinates.

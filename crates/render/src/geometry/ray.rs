@@ -78,7 +78,10 @@ mod tests {
             for sign in [1.0, -1.0] {
                 let moved = offset_origin(p, error, normal, normal * sign);
                 let along = (moved - p).as_dvec3().dot(normal.as_dvec3()) * f64::from(sign);
-                assert!(along >= f64::from(error.abs().dot(normal.abs())) * 0.99, "{exponent} {sign} {along}");
+                assert!(
+                    along >= f64::from(error.abs().dot(normal.abs())) * 0.99,
+                    "{exponent} {sign} {along}"
+                );
             }
         }
     }

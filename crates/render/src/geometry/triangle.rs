@@ -35,7 +35,11 @@ impl Shear {
             std::mem::swap(&mut x, &mut y);
         }
         let inverse = d[z].recip();
-        Self { axes: [x, y, z], origin: ray.origin.to_array(), shear: [d[x] * inverse, d[y] * inverse, inverse] }
+        Self {
+            axes: [x, y, z],
+            origin: ray.origin.to_array(),
+            shear: [d[x] * inverse, d[y] * inverse, inverse],
+        }
     }
 }
 
@@ -68,7 +72,10 @@ impl TriangleBlock {
         let mut indices = [u32::MAX; 4];
         for lane in 0..4 {
             // an unused lane repeats one corner: a triangle of no area, which no ray hits
-            let (index, points) = triangles.get(lane).copied().unwrap_or((u32::MAX, [triangles[0].1[0]; 3]));
+            let (index, points) = triangles
+                .get(lane)
+                .copied()
+                .unwrap_or((u32::MAX, [triangles[0].1[0]; 3]));
             indices[lane] = index;
             for corner in 0..3 {
                 for axis in 0..3 {
@@ -76,7 +83,10 @@ impl TriangleBlock {
                 }
             }
         }
-        Self { corners, triangles: indices }
+        Self {
+            corners,
+            triangles: indices,
+        }
     }
 
     /// The nearest hit closer than `t_max`.
@@ -84,8 +94,11 @@ impl TriangleBlock {
     pub fn intersect(&self, shear: &Shear, t_max: f32) -> Option<BlockHit> {
         let [kx, ky, kz] = shear.axes;
         let [sx, sy, sz] = shear.shear.map(Vec4::splat);
-        let (ox, oy, oz) =
-            (Vec4::splat(shear.origin[kx]), Vec4::splat(shear.origin[ky]), Vec4::splat(shear.origin[kz]));
+        let (ox, oy, oz) = (
+            Vec4::splat(shear.origin[kx]),
+            Vec4::splat(shear.origin[ky]),
+            Vec4::splat(shear.origin[kz]),
+        );
         let sheared = |corner: &[Vec4; 3]| {
             let z = corner[kz] - oz;
             ((corner[kx] - ox) - sx * z, (corner[ky] - oy) - sy * z, z)
@@ -136,7 +149,11 @@ mod tests {
     use super::*;
 
     fn ray(origin: Vec3A, direction: Vec3A) -> Ray {
-        Ray { origin, direction, t_max: f32::INFINITY }
+        Ray {
+            origin,
+            direction,
+            t_max: f32::INFINITY,
+        }
     }
 
     #[test]
@@ -144,11 +161,17 @@ mod tests {
         let corners = [Vec3A::ZERO, Vec3A::X * 2.0, Vec3A::Y * 4.0];
         let block = TriangleBlock::new(&[(7, corners)]);
         let r = ray(Vec3A::new(0.5, 1.0, 3.0), Vec3A::NEG_Z);
-        let hit = block.intersect(&Shear::new(&r), f32::INFINITY).expect("the ray points at the triangle");
+        let hit = block
+            .intersect(&Shear::new(&r), f32::INFINITY)
+            .expect("the ray points at the triangle");
         assert_eq!((hit.t, hit.triangle, hit.u, hit.v), (3.0, 7, 0.25, 0.25));
         assert!(block.intersect(&Shear::new(&r), 2.9).is_none());
         let behind = ray(Vec3A::new(0.5, 1.0, -3.0), Vec3A::NEG_Z);
-        assert!(block.intersect(&Shear::new(&behind), f32::INFINITY).is_none());
+        assert!(
+            block
+                .intersect(&Shear::new(&behind), f32::INFINITY)
+                .is_none()
+        );
     }
 
     #[test]
@@ -165,7 +188,10 @@ mod tests {
             // aimed exactly at the shared edge a–c
             let f = 0.001 + 0.998 * i as f32 / 20_000.0;
             let r = ray(origin, a + (c - a) * f - origin);
-            assert!(block.intersect(&Shear::new(&r), f32::INFINITY).is_some(), "leak at {f}");
+            assert!(
+                block.intersect(&Shear::new(&r), f32::INFINITY).is_some(),
+                "leak at {f}"
+            );
         }
     }
 }

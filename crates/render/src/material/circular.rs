@@ -15,7 +15,7 @@ use glam::{Mat4, Vec3A};
 use mueller16::element;
 
 use super::null::straight;
-use super::{Departure, Matter, Polarizes};
+use super::{Departure, Effect, Matter};
 use crate::coherence::Coherence;
 use crate::geometry::frame::Frame;
 use crate::light::Light;
@@ -33,10 +33,15 @@ impl Circular {
     /// Reads its parameters.
     pub fn read(object: &Object) -> Result<Self, SceneError> {
         let ideal = element::circular_polarizer(object.boolean("left_handed", false)?);
-        let column = |j| glam::Vec4::from_array(std::array::from_fn(|i| ideal.element(i, j) as f32));
+        let column =
+            |j| glam::Vec4::from_array(std::array::from_fn(|i| ideal.element(i, j) as f32));
         Ok(Self {
             matrix: Mat4::from_cols(column(0), column(1), column(2), column(3)),
-            transmittance: object.spectrum("transmittance", SpectrumUse::Reflectance, Spectrum::constant(1.0))?,
+            transmittance: object.spectrum(
+                "transmittance",
+                SpectrumUse::Reflectance,
+                Spectrum::constant(1.0),
+            )?,
         })
     }
 }
@@ -48,17 +53,31 @@ impl Matter for Circular {
     }
 
     #[inline]
-    fn respond<L: Light>(&self, o: Vec3A, _: Vec3A, wavelengths: &[f32], _: &Coherence) -> (L::Response, f32) {
+    fn respond<L: Light>(
+        &self,
+        o: Vec3A,
+        _: Vec3A,
+        wavelengths: &[f32],
+        _: &Coherence,
+    ) -> (L::Response, f32) {
         // the matrix does not depend on the frame
         let axis = Frame::around(o).s;
-        (L::general(axis, axis, |lane| self.matrix * self.transmittance.value(wavelengths[lane])), 0.0)
+        (
+            L::general(axis, axis, |lane| {
+                self.matrix * self.transmittance.value(wavelengths[lane])
+            }),
+            0.0,
+        )
     }
 
     fn is_discrete(&self) -> bool {
         true
     }
 
-    fn polarizes(&self) -> Polarizes {
-        Polarizes::Elliptical
+    fn effect(&self) -> Effect {
+        Effect {
+            makes_circular: true,
+            ..Effect::default()
+        }
     }
 }

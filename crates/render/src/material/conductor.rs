@@ -16,7 +16,7 @@
 use glam::Vec3A;
 use mueller16::ConductorInterface;
 
-use super::{Departure, Matter, Polarizes, axis_s, mirror, unknown_name};
+use super::{Departure, Effect, Matter, axis_s, mirror, unknown_name};
 use crate::coherence::Coherence;
 use crate::ior;
 use crate::light::{Element, Light};
@@ -36,18 +36,28 @@ impl Metal {
     pub fn read(object: &Object) -> Result<Self, SceneError> {
         let (eta, k) = match object.optional_string("material")? {
             Some(_) if object.has("eta") || object.has("k") => {
-                return Err(object.error_at("material", "both 'material' and 'eta', 'k' are given, expected one of them"));
+                return Err(object.error_at(
+                    "material",
+                    "both 'material' and 'eta', 'k' are given, expected one of them",
+                ));
             }
-            Some(name) => ior::named_conductor(&name).ok_or_else(|| {
-                unknown_name(object, "material", &name, ior::conductor_names())
-            })?,
+            Some(name) => ior::named_conductor(&name)
+                .ok_or_else(|| unknown_name(object, "material", &name, ior::conductor_names()))?,
             None => (
                 object.spectrum("eta", SpectrumUse::Unbounded, Spectrum::constant(0.0))?,
                 object.spectrum("k", SpectrumUse::Unbounded, Spectrum::constant(1.0))?,
             ),
         };
-        let reflectance = object.spectrum("specular_reflectance", SpectrumUse::Reflectance, Spectrum::constant(1.0))?;
-        Ok(Self { eta, k, reflectance })
+        let reflectance = object.spectrum(
+            "specular_reflectance",
+            SpectrumUse::Reflectance,
+            Spectrum::constant(1.0),
+        )?;
+        Ok(Self {
+            eta,
+            k,
+            reflectance,
+        })
     }
 
     /// Reflection at an angle of incidence, at one wavelength; first axis perpendicular to the plane of incidence.
@@ -55,9 +65,13 @@ impl Metal {
     pub fn reflection(&self, cos_i: f32, wavelength: f32) -> Element {
         let (eta, k) = (self.eta.value(wavelength), self.k.value(wavelength));
         // a table's index is zero outside its wavelengths: black
-        ConductorInterface::new(1.0, f64::from(eta), f64::from(k)).map_or(Element::BLACK, |interface| {
-            Element::from(interface.reflection(f64::from(cos_i))).scaled(self.reflectance.value(wavelength))
-        })
+        ConductorInterface::new(1.0, f64::from(eta), f64::from(k)).map_or(
+            Element::BLACK,
+            |interface| {
+                Element::from(interface.reflection(f64::from(cos_i)))
+                    .scaled(self.reflectance.value(wavelength))
+            },
+        )
     }
 }
 
@@ -70,18 +84,31 @@ pub struct Conductor {
 impl Conductor {
     /// Reads its parameters.
     pub fn read(object: &Object) -> Result<Self, SceneError> {
-        Ok(Self { metal: Metal::read(object)? })
+        Ok(Self {
+            metal: Metal::read(object)?,
+        })
     }
 }
 
 impl Matter for Conductor {
     #[inline]
     fn sample(&self, o: Vec3A, _: &[f32], _: [f32; 3]) -> Option<Departure> {
-        (o.z > 0.0).then(|| Departure { direction: mirror(o, Vec3A::Z), density: 1.0, discrete: true, eta: 1.0 })
+        (o.z > 0.0).then(|| Departure {
+            direction: mirror(o, Vec3A::Z),
+            density: 1.0,
+            discrete: true,
+            eta: 1.0,
+        })
     }
 
     #[inline]
-    fn respond<L: Light>(&self, _: Vec3A, i: Vec3A, wavelengths: &[f32], _: &Coherence) -> (L::Response, f32) {
+    fn respond<L: Light>(
+        &self,
+        _: Vec3A,
+        i: Vec3A,
+        wavelengths: &[f32],
+        _: &Coherence,
+    ) -> (L::Response, f32) {
         let response = L::diattenuating_retarder(axis_s(Vec3A::Z, i), |lane| {
             self.metal.reflection(i.z, wavelengths[lane])
         });
@@ -92,7 +119,11 @@ impl Matter for Conductor {
         true
     }
 
-    fn polarizes(&self) -> Polarizes {
-        Polarizes::Elliptical
+    fn effect(&self) -> Effect {
+        Effect {
+            makes_linear: true,
+            retards: true,
+            ..Effect::default()
+        }
     }
 }

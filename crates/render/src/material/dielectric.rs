@@ -17,7 +17,7 @@
 use glam::Vec3A;
 use mueller16::DielectricInterface;
 
-use super::{Departure, Matter, Polarizes, axis_s, mirror, unknown_name};
+use super::{Departure, Effect, Matter, axis_s, mirror, unknown_name};
 use crate::coherence::Coherence;
 use crate::ior;
 use crate::light::{Element, Light};
@@ -49,7 +49,10 @@ pub fn read_index(object: &Object, parameter: &str, default: &str) -> Result<f64
     if index > 0.0 && index.is_finite() {
         Ok(index)
     } else {
-        Err(object.error_at(parameter, format!("an index of refraction of {index}, expected a positive number")))
+        Err(object.error_at(
+            parameter,
+            format!("an index of refraction of {index}, expected a positive number"),
+        ))
     }
 }
 
@@ -58,10 +61,9 @@ impl Dielectric {
     pub fn read(object: &Object) -> Result<Self, SceneError> {
         let inside = read_index(object, "int_ior", "bk7")?;
         let outside = read_index(object, "ext_ior", "air")?;
-        let factor = |name| object.spectrum(name, SpectrumUse::Reflectance, Spectrum::constant(1.0));
-        let interface = |a, b| {
-            DielectricInterface::new(a, b).map_err(|e| object.error(e))
-        };
+        let factor =
+            |name| object.spectrum(name, SpectrumUse::Reflectance, Spectrum::constant(1.0));
+        let interface = |a, b| DielectricInterface::new(a, b).map_err(|e| object.error(e));
         Ok(Self {
             outside: interface(outside, inside)?,
             inside: interface(inside, outside)?,
@@ -74,7 +76,11 @@ impl Dielectric {
     /// The interface for light on the side of `direction`.
     #[inline]
     fn side(&self, direction: Vec3A) -> &DielectricInterface {
-        if direction.z > 0.0 { &self.outside } else { &self.inside }
+        if direction.z > 0.0 {
+            &self.outside
+        } else {
+            &self.inside
+        }
     }
 }
 
@@ -88,32 +94,58 @@ impl Matter for Dielectric {
         let interface = self.side(o);
         let reflected = interface.reflection(cos_o).mean as f32;
         if u[0] < reflected {
-            return Some(Departure { direction: mirror(o, Vec3A::Z), density: reflected, discrete: true, eta: 1.0 });
+            return Some(Departure {
+                direction: mirror(o, Vec3A::Z),
+                density: reflected,
+                discrete: true,
+                eta: 1.0,
+            });
         }
         let cos_i = interface.transmission(cos_o)?.cos_t as f32;
-        let eta = if o.z > 0.0 { self.eta } else { self.eta.recip() };
+        let eta = if o.z > 0.0 {
+            self.eta
+        } else {
+            self.eta.recip()
+        };
         // Snell's law across, the cosine along: normalised once more in single precision
         let i = Vec3A::new(-o.x / eta, -o.y / eta, -cos_i.copysign(o.z)).normalize();
-        Some(Departure { direction: i, density: 1.0 - reflected, discrete: true, eta })
+        Some(Departure {
+            direction: i,
+            density: 1.0 - reflected,
+            discrete: true,
+            eta,
+        })
     }
 
     #[inline]
-    fn respond<L: Light>(&self, o: Vec3A, i: Vec3A, wavelengths: &[f32], _: &Coherence) -> (L::Response, f32) {
+    fn respond<L: Light>(
+        &self,
+        o: Vec3A,
+        i: Vec3A,
+        wavelengths: &[f32],
+        _: &Coherence,
+    ) -> (L::Response, f32) {
         let axis = axis_s(Vec3A::Z, i);
         let interface = self.side(i);
         let cos_i = f64::from(i.z.abs());
         let response = if o.z * i.z > 0.0 {
             let element = Element::from(interface.reflection(cos_i));
-            L::diattenuating_retarder(axis, |lane| element.scaled(self.reflectance.value(wavelengths[lane])))
+            L::diattenuating_retarder(axis, |lane| {
+                element.scaled(self.reflectance.value(wavelengths[lane]))
+            })
         } else {
             // the light comes from the side of `i`: radiance counts by the squared index of its medium
-            let eta = if o.z > 0.0 { self.eta } else { self.eta.recip() };
-            let element = interface
-                .transmission(cos_i)
-                .map_or(Element::BLACK, |t| {
-                    Element::from(t.element).scaled((eta * eta).recip())
-                });
-            L::diattenuating_retarder(axis, |lane| element.scaled(self.transmittance.value(wavelengths[lane])))
+            let eta = if o.z > 0.0 {
+                self.eta
+            } else {
+                self.eta.recip()
+            };
+            let element = interface.transmission(cos_i).map_or(Element::BLACK, |t| {
+                Element::from(t.element).scaled((eta * eta).recip())
+            });
+            L::diattenuating_retarder(axis, |lane| {
+                element.scaled(self.transmittance.value(wavelengths[lane]))
+            })
         };
         (response, 0.0)
     }
@@ -122,7 +154,12 @@ impl Matter for Dielectric {
         true
     }
 
-    fn polarizes(&self) -> Polarizes {
-        Polarizes::Elliptical
+    fn effect(&self) -> Effect {
+        // total internal reflection retards
+        Effect {
+            makes_linear: true,
+            retards: true,
+            ..Effect::default()
+        }
     }
 }

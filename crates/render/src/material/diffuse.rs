@@ -14,7 +14,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3A;
 
-use super::{Departure, Matter, Polarizes};
+use super::{Departure, Effect, Matter};
 use crate::coherence::Coherence;
 use crate::light::Light;
 use crate::sampler::cosine_hemisphere;
@@ -30,14 +30,22 @@ pub struct Diffuse {
 impl Default for Diffuse {
     /// Reflects half the power: what a shape without matter is made of.
     fn default() -> Self {
-        Self { reflectance: Spectrum::constant(0.5) }
+        Self {
+            reflectance: Spectrum::constant(0.5),
+        }
     }
 }
 
 impl Diffuse {
     /// Reads its parameters.
     pub fn read(object: &Object) -> Result<Self, SceneError> {
-        Ok(Self { reflectance: object.spectrum("reflectance", SpectrumUse::Reflectance, Spectrum::constant(0.5))? })
+        Ok(Self {
+            reflectance: object.spectrum(
+                "reflectance",
+                SpectrumUse::Reflectance,
+                Spectrum::constant(0.5),
+            )?,
+        })
     }
 }
 
@@ -54,16 +62,32 @@ impl Matter for Diffuse {
     }
 
     #[inline]
-    fn respond<L: Light>(&self, o: Vec3A, i: Vec3A, wavelengths: &[f32], _: &Coherence) -> (L::Response, f32) {
-        let density = if o.z > 0.0 && i.z > 0.0 { i.z * FRAC_1_PI } else { 0.0 };
-        (L::depolarizing(|lane| self.reflectance.value(wavelengths[lane]) * density), density)
+    fn respond<L: Light>(
+        &self,
+        o: Vec3A,
+        i: Vec3A,
+        wavelengths: &[f32],
+        _: &Coherence,
+    ) -> (L::Response, f32) {
+        let density = if o.z > 0.0 && i.z > 0.0 {
+            i.z * FRAC_1_PI
+        } else {
+            0.0
+        };
+        (
+            L::depolarizing(|lane| self.reflectance.value(wavelengths[lane]) * density),
+            density,
+        )
     }
 
     fn is_discrete(&self) -> bool {
         false
     }
 
-    fn polarizes(&self) -> Polarizes {
-        Polarizes::Depolarizes
+    fn effect(&self) -> Effect {
+        Effect {
+            depolarizes: true,
+            ..Effect::default()
+        }
     }
 }

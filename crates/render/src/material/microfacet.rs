@@ -33,12 +33,20 @@ pub struct Microfacets {
 impl Microfacets {
     /// A distribution with given widths, sampling visible normals.
     pub fn new(kind: Kind, alpha_u: f32, alpha_v: f32) -> Self {
-        Self { kind, alpha_u, alpha_v, visible: true }
+        Self {
+            kind,
+            alpha_u,
+            alpha_v,
+            visible: true,
+        }
     }
 
     /// Reads `distribution`, `alpha` or `alpha_u` and `alpha_v`, and `sample_visible`.
     pub fn read(object: &Object) -> Result<Self, SceneError> {
-        let kind = match object.choice("distribution", "beckmann", &["beckmann", "ggx"])?.as_str() {
+        let kind = match object
+            .choice("distribution", "beckmann", &["beckmann", "ggx"])?
+            .as_str()
+        {
             "ggx" => Kind::Ggx,
             _ => Kind::Beckmann,
         };
@@ -48,16 +56,30 @@ impl Microfacets {
                 // narrower lobes than this vanish in single precision; they look like a smooth surface
                 Ok(alpha.max(1e-4) as f32)
             } else {
-                Err(object.error_at(name, format!("a roughness of {alpha}, expected a positive number")))
+                Err(object.error_at(
+                    name,
+                    format!("a roughness of {alpha}, expected a positive number"),
+                ))
             }
         };
         let split = object.has("alpha_u") || object.has("alpha_v");
         if split && object.has("alpha") {
-            return Err(object.error_at("alpha", "both 'alpha' and 'alpha_u', 'alpha_v' are given, expected one of them"));
+            return Err(object.error_at(
+                "alpha",
+                "both 'alpha' and 'alpha_u', 'alpha_v' are given, expected one of them",
+            ));
         }
         let alpha = width("alpha", 0.1)?;
-        let (alpha_u, alpha_v) = (width("alpha_u", f64::from(alpha))?, width("alpha_v", f64::from(alpha))?);
-        Ok(Self { kind, alpha_u, alpha_v, visible: object.boolean("sample_visible", true)? })
+        let (alpha_u, alpha_v) = (
+            width("alpha_u", f64::from(alpha))?,
+            width("alpha_v", f64::from(alpha))?,
+        );
+        Ok(Self {
+            kind,
+            alpha_u,
+            alpha_v,
+            visible: object.boolean("sample_visible", true)?,
+        })
     }
 
     /// Density of facet normals per steradian of their direction, D(m).
@@ -145,7 +167,11 @@ impl Microfacets {
             }
             Kind::Beckmann => {
                 let sin = (stretched.x * stretched.x + stretched.y * stretched.y).sqrt();
-                let (cos_phi, sin_phi) = if sin > 0.0 { (stretched.x / sin, stretched.y / sin) } else { (1.0, 0.0) };
+                let (cos_phi, sin_phi) = if sin > 0.0 {
+                    (stretched.x / sin, stretched.y / sin)
+                } else {
+                    (1.0, 0.0)
+                };
                 let slope_x = visible_beckmann_slope(stretched.z, sin, u[0]);
                 let slope_y = inverse_erf(2.0 * u[1] - 1.0);
                 let x = cos_phi * slope_x - sin_phi * slope_y;
@@ -196,7 +222,11 @@ fn visible_beckmann_slope(cos: f32, sin: f32, u: f32) -> f32 {
         if excess.abs() < 1e-6 * (cos + sin) {
             break;
         }
-        if excess > 0.0 { high = b } else { low = b }
+        if excess > 0.0 {
+            high = b;
+        } else {
+            low = b;
+        }
         b -= 2.0 * excess / (cos - x * sin);
     }
     inverse_erf(b.clamp(low, high))
@@ -213,16 +243,30 @@ fn inverse_erf(x: f32) -> f32 {
     let p = if w < 5.0 {
         horner(
             &[
-                2.81022636e-08, 3.43273939e-07, -3.5233877e-06, -4.39150654e-06, 0.00021858087, -0.00125372503,
-                -0.00417768164, 0.246640727, 1.50140941,
+                2.81022636e-08,
+                3.43273939e-07,
+                -3.5233877e-06,
+                -4.39150654e-06,
+                0.00021858087,
+                -0.00125372503,
+                -0.00417768164,
+                0.246640727,
+                1.50140941,
             ],
             w - 2.5,
         )
     } else {
         horner(
             &[
-                -0.000200214257, 0.000100950558, 0.00134934322, -0.00367342844, 0.00573950773, -0.0076224613,
-                0.00943887047, 1.00167406, 2.83297682,
+                -0.000200214257,
+                0.000100950558,
+                0.00134934322,
+                -0.00367342844,
+                0.00573950773,
+                -0.0076224613,
+                0.00943887047,
+                1.00167406,
+                2.83297682,
             ],
             w.sqrt() - 3.0,
         )
@@ -257,7 +301,10 @@ mod tests {
             for j in 0..n {
                 // slopes by a tangent map: covers the tails of GGX
                 let (a, b) = ((i as f64 + 0.5) / n as f64, (j as f64 + 0.5) / n as f64);
-                let (ta, tb) = (((a - 0.5) * std::f64::consts::PI).tan(), ((b - 0.5) * std::f64::consts::PI).tan());
+                let (ta, tb) = (
+                    ((a - 0.5) * std::f64::consts::PI).tan(),
+                    ((b - 0.5) * std::f64::consts::PI).tan(),
+                );
                 let jacobian = std::f64::consts::PI.powi(2) * (1.0 + ta * ta) * (1.0 + tb * tb);
                 let (x, y) = (ta * f64::from(alpha.0), tb * f64::from(alpha.1));
                 let m = Vec3A::new(x as f32, y as f32, 1.0).normalize();
@@ -285,7 +332,10 @@ mod tests {
             for degrees in [0.5, 30.0, 60.0, 85.0] {
                 let o = view(degrees, 0.7);
                 let total = integrate((a, b), |m| f64::from(d.sampling_density(o, m)));
-                assert!((total - 1.0).abs() < 3e-3, "{kind:?} {a} {b} {degrees}: {total}");
+                assert!(
+                    (total - 1.0).abs() < 3e-3,
+                    "{kind:?} {a} {b} {degrees}: {total}"
+                );
             }
         }
     }
@@ -305,7 +355,8 @@ mod tests {
                         Kind::Beckmann => 1.0 - (-r2).exp(),
                         Kind::Ggx => r2 / (1.0 + r2),
                     };
-                    let angle = (f64::from(y.atan2(x)) / std::f64::consts::TAU + 0.5).min(0.999_999);
+                    let angle =
+                        (f64::from(y.atan2(x)) / std::f64::consts::TAU + 0.5).min(0.999_999);
                     (p.min(0.999_999) * 8.0) as usize * 8 + (angle * 8.0) as usize
                 };
                 let n = 200_000;
@@ -321,13 +372,18 @@ mod tests {
                         // the ratio grows as 1/√(1 − u) toward grazing normals: substituted away
                         let rest = 1.0 - (i as f32 + 0.5) / k as f32;
                         let m = d.sample_all([1.0 - rest * rest, (j as f32 + 0.5) / k as f32]);
-                        let weight = f64::from(2.0 * rest * d.sampling_density(o, m) / (d.density(m) * m.z));
+                        let weight =
+                            f64::from(2.0 * rest * d.sampling_density(o, m) / (d.density(m) * m.z));
                         expected[cell(m)] += weight * n as f64 / (k * k) as f64;
                     }
                 }
                 let (mut chi2, mut rest) = (0.0, (0.0, 0.0));
                 for (c, e) in counts.iter().zip(expected) {
-                    if e > 20.0 { chi2 += (c - e) * (c - e) / e } else { rest = (rest.0 + c, rest.1 + e) }
+                    if e > 20.0 {
+                        chi2 += (c - e) * (c - e) / e
+                    } else {
+                        rest = (rest.0 + c, rest.1 + e)
+                    }
                 }
                 if rest.1 > 5.0 {
                     chi2 += f64::powi(rest.0 - rest.1, 2) / rest.1;

@@ -35,17 +35,29 @@ pub struct Departure {
     pub eta: f32,
 }
 
-/// What matter does to the state of polarization: for `inspect`, and for what a scene needs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Polarizes {
-    /// Only M00: forgets the polarization that arrives, adds none.
-    Depolarizes,
-    /// Unpolarized light stays unpolarized (S0 only), polarized light keeps its state or changes it.
-    Keeps,
-    /// Makes linear polarization out of unpolarized light.
-    Linear,
-    /// Makes linear polarization, and circular out of linear.
-    Elliptical,
+/// What matter can do to the state of polarization: for `inspect`, and for what a scene needs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effect {
+    /// Some light forgets its polarization here.
+    pub depolarizes: bool,
+    /// Unpolarized light becomes partly linearly polarized.
+    pub makes_linear: bool,
+    /// Unpolarized light becomes partly circularly polarized.
+    pub makes_circular: bool,
+    /// Linear and circular polarization turn into each other.
+    pub retards: bool,
+}
+
+impl Effect {
+    /// Both effects.
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            depolarizes: self.depolarizes || other.depolarizes,
+            makes_linear: self.makes_linear || other.makes_linear,
+            makes_circular: self.makes_circular || other.makes_circular,
+            retards: self.retards || other.retards,
+        }
+    }
 }
 
 /// Any matter that a scene may hold.
@@ -111,14 +123,17 @@ pub trait Matter {
     /// Whether all directions are discrete: emitters cannot be connected to.
     fn is_discrete(&self) -> bool;
 
-    /// What it does to polarization.
-    fn polarizes(&self) -> Polarizes;
+    /// What it can do to polarization.
+    fn effect(&self) -> Effect;
 }
 
 impl Material {
     /// Whether light meets it from both sides by itself.
     pub fn is_two_sided(&self) -> bool {
-        !matches!(self, Self::Diffuse(_) | Self::Conductor(_) | Self::RoughConductor(_) | Self::Pplastic(_))
+        !matches!(
+            self,
+            Self::Diffuse(_) | Self::Conductor(_) | Self::RoughConductor(_) | Self::Pplastic(_)
+        )
     }
 }
 
@@ -144,8 +159,8 @@ impl Matter for Material {
         ask!(self, m => m.is_discrete())
     }
 
-    fn polarizes(&self) -> Polarizes {
-        ask!(self, m => m.polarizes())
+    fn effect(&self) -> Effect {
+        ask!(self, m => m.effect())
     }
 }
 
@@ -157,7 +172,11 @@ impl Matter for Material {
 pub fn axis_s(normal: Vec3A, i: Vec3A) -> Vec3A {
     let across = normal.cross(i);
     let squared = across.length_squared();
-    if squared > 1e-8 { across / squared.sqrt() } else { Frame::around(i).s }
+    if squared > 1e-8 {
+        across / squared.sqrt()
+    } else {
+        Frame::around(i).s
+    }
 }
 
 /// The direction mirrored at a normal.
@@ -178,7 +197,10 @@ fn unknown_name(
         parameter,
         match nearest(name, known.iter().copied()) {
             Some(near) => format!("unknown material '{name}', did you mean '{near}'?"),
-            None => format!("unknown material '{name}', expected one of: {}", known.join(", ")),
+            None => format!(
+                "unknown material '{name}', expected one of: {}",
+                known.join(", ")
+            ),
         },
     )
 }

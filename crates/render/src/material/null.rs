@@ -8,7 +8,7 @@
 
 use glam::Vec3A;
 
-use super::{Departure, Matter, Polarizes};
+use super::{Departure, Effect, Matter};
 use crate::coherence::Coherence;
 use crate::geometry::frame::Frame;
 use crate::light::{Element, Light};
@@ -20,7 +20,12 @@ pub struct Null;
 /// Straight through.
 #[inline]
 pub fn straight(o: Vec3A) -> Option<Departure> {
-    Some(Departure { direction: -o, density: 1.0, discrete: true, eta: 1.0 })
+    Some(Departure {
+        direction: -o,
+        density: 1.0,
+        discrete: true,
+        eta: 1.0,
+    })
 }
 
 impl Matter for Null {
@@ -30,16 +35,30 @@ impl Matter for Null {
     }
 
     #[inline]
-    fn respond<L: Light>(&self, o: Vec3A, _: Vec3A, _: &[f32], _: &Coherence) -> (L::Response, f32) {
-        let nothing = Element { mean: 1.0, difference: 0.0, cosine: 1.0, sine: 0.0 };
-        (L::diattenuating_retarder(Frame::around(o).s, |_| nothing), 0.0)
+    fn respond<L: Light>(
+        &self,
+        o: Vec3A,
+        _: Vec3A,
+        _: &[f32],
+        _: &Coherence,
+    ) -> (L::Response, f32) {
+        let nothing = Element {
+            mean: 1.0,
+            difference: 0.0,
+            cosine: 1.0,
+            sine: 0.0,
+        };
+        (
+            L::diattenuating_retarder(Frame::around(o).s, |_| nothing),
+            0.0,
+        )
     }
 
     fn is_discrete(&self) -> bool {
         true
     }
 
-    fn polarizes(&self) -> Polarizes {
-        Polarizes::Keeps
+    fn effect(&self) -> Effect {
+        Effect::default()
     }
 }

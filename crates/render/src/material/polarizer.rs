@@ -18,7 +18,7 @@ use glam::{DVec3, Vec3A};
 use mueller16::element;
 
 use super::null::straight;
-use super::{Departure, Matter, Polarizes};
+use super::{Departure, Effect, Matter};
 use crate::coherence::Coherence;
 use crate::geometry::frame::Frame;
 use crate::light::{Element, Light};
@@ -38,7 +38,11 @@ impl Polarizer {
     pub fn read(object: &Object) -> Result<Self, SceneError> {
         Ok(Self {
             theta: object.float("theta", 0.0)?.to_radians(),
-            transmittance: object.spectrum("transmittance", SpectrumUse::Reflectance, Spectrum::constant(1.0))?,
+            transmittance: object.spectrum(
+                "transmittance",
+                SpectrumUse::Reflectance,
+                Spectrum::constant(1.0),
+            )?,
             polarizing: object.boolean("polarizing", true)?,
         })
     }
@@ -57,22 +61,42 @@ impl Matter for Polarizer {
     }
 
     #[inline]
-    fn respond<L: Light>(&self, o: Vec3A, _: Vec3A, wavelengths: &[f32], _: &Coherence) -> (L::Response, f32) {
+    fn respond<L: Light>(
+        &self,
+        o: Vec3A,
+        _: Vec3A,
+        wavelengths: &[f32],
+        _: &Coherence,
+    ) -> (L::Response, f32) {
         let transmittance = |lane: usize| self.transmittance.value(wavelengths[lane]);
         let (axis, ideal) = if self.polarizing {
             let axis = axis_for(o, |k| element::polarizer_transmitted_axis(self.theta, k));
             (axis, Element::from(element::linear_polarizer()))
         } else {
-            (Frame::around(o).s, Element { mean: 0.5, difference: 0.0, cosine: 0.5, sine: 0.0 })
+            (
+                Frame::around(o).s,
+                Element {
+                    mean: 0.5,
+                    difference: 0.0,
+                    cosine: 0.5,
+                    sine: 0.0,
+                },
+            )
         };
-        (L::diattenuating_retarder(axis, |lane| ideal.scaled(transmittance(lane))), 0.0)
+        (
+            L::diattenuating_retarder(axis, |lane| ideal.scaled(transmittance(lane))),
+            0.0,
+        )
     }
 
     fn is_discrete(&self) -> bool {
         true
     }
 
-    fn polarizes(&self) -> Polarizes {
-        if self.polarizing { Polarizes::Linear } else { Polarizes::Keeps }
+    fn effect(&self) -> Effect {
+        Effect {
+            makes_linear: self.polarizing,
+            ..Effect::default()
+        }
     }
 }

@@ -27,7 +27,7 @@ use mueller16::DielectricInterface;
 
 use super::dielectric::read_index;
 use super::microfacet::Microfacets;
-use super::{Departure, Matter, Polarizes, axis_s, mirror};
+use super::{Departure, Effect, Matter, axis_s, mirror};
 use crate::coherence::Coherence;
 use crate::light::{Element, Light};
 use crate::sampler::cosine_hemisphere;
@@ -48,7 +48,9 @@ impl Pplastic {
     pub fn read(object: &Object) -> Result<Self, SceneError> {
         let inside = read_index(object, "int_ior", "polypropylene")?;
         let outside = read_index(object, "ext_ior", "air")?;
-        let reflectance = |name, default| object.spectrum(name, SpectrumUse::Reflectance, Spectrum::constant(default));
+        let reflectance = |name, default| {
+            object.spectrum(name, SpectrumUse::Reflectance, Spectrum::constant(default))
+        };
         Ok(Self {
             surface: DielectricInterface::new(outside, inside).map_err(|e| object.error(e))?,
             base: reflectance("diffuse_reflectance", 0.5)?,
@@ -106,13 +108,22 @@ impl Matter for Pplastic {
     }
 
     #[inline]
-    fn respond<L: Light>(&self, o: Vec3A, i: Vec3A, wavelengths: &[f32], _: &Coherence) -> (L::Response, f32) {
+    fn respond<L: Light>(
+        &self,
+        o: Vec3A,
+        i: Vec3A,
+        wavelengths: &[f32],
+        _: &Coherence,
+    ) -> (L::Response, f32) {
         if o.z <= 0.0 || i.z <= 0.0 {
             return (L::depolarizing(|_| 0.0), 0.0);
         }
         let h = (o + i).normalize();
-        let facets = self.facets.density(h) * self.facets.shadowing(i, h) * self.facets.shadowing(o, h) / (4.0 * o.z);
-        let mirrored = Element::from(self.surface.reflection(f64::from(i.dot(h).min(1.0)))).scaled(facets);
+        let facets =
+            self.facets.density(h) * self.facets.shadowing(i, h) * self.facets.shadowing(o, h)
+                / (4.0 * o.z);
+        let mirrored =
+            Element::from(self.surface.reflection(f64::from(i.dot(h).min(1.0)))).scaled(facets);
         let surface = L::diattenuating_retarder(axis_s(h, i), |lane| {
             mirrored.scaled(self.reflectance.value(wavelengths[lane]))
         });
@@ -121,14 +132,21 @@ impl Matter for Pplastic {
             |lane| self.base.value(wavelengths[lane]) * i.z * FRAC_1_PI,
             (axis_s(Vec3A::Z, i), self.passage(i.z)),
         );
-        (L::sum(surface, base, o, -i), self.density(o, i, h, wavelengths))
+        (
+            L::sum(surface, base, o, -i),
+            self.density(o, i, h, wavelengths),
+        )
     }
 
     fn is_discrete(&self) -> bool {
         false
     }
 
-    fn polarizes(&self) -> Polarizes {
-        Polarizes::Linear
+    fn effect(&self) -> Effect {
+        Effect {
+            depolarizes: true,
+            makes_linear: true,
+            ..Effect::default()
+        }
     }
 }

@@ -19,7 +19,7 @@ use mueller16::element;
 
 use super::null::straight;
 use super::polarizer::axis_for;
-use super::{Departure, Matter, Polarizes};
+use super::{Departure, Effect, Matter};
 use crate::coherence::Coherence;
 use crate::light::{Element, Light};
 use crate::scene::{Object, SceneError};
@@ -39,7 +39,11 @@ impl Retarder {
         Ok(Self {
             theta: object.float("theta", 0.0)?.to_radians(),
             delta: object.spectrum("delta", SpectrumUse::Unbounded, Spectrum::constant(90.0))?,
-            transmittance: object.spectrum("transmittance", SpectrumUse::Reflectance, Spectrum::constant(1.0))?,
+            transmittance: object.spectrum(
+                "transmittance",
+                SpectrumUse::Reflectance,
+                Spectrum::constant(1.0),
+            )?,
         })
     }
 }
@@ -51,12 +55,19 @@ impl Matter for Retarder {
     }
 
     #[inline]
-    fn respond<L: Light>(&self, o: Vec3A, _: Vec3A, wavelengths: &[f32], _: &Coherence) -> (L::Response, f32) {
+    fn respond<L: Light>(
+        &self,
+        o: Vec3A,
+        _: Vec3A,
+        wavelengths: &[f32],
+        _: &Coherence,
+    ) -> (L::Response, f32) {
         let axis = axis_for(o, |k| element::retarder_fast_axis(self.theta, k));
         let response = L::diattenuating_retarder(axis, |lane| {
             let delta = f64::from(self.delta.value(wavelengths[lane])).to_radians();
             let tilted = element::oblique_retardance(delta, o.as_dvec3().to_array());
-            Element::from(element::linear_retarder(tilted)).scaled(self.transmittance.value(wavelengths[lane]))
+            Element::from(element::linear_retarder(tilted))
+                .scaled(self.transmittance.value(wavelengths[lane]))
         });
         (response, 0.0)
     }
@@ -65,7 +76,10 @@ impl Matter for Retarder {
         true
     }
 
-    fn polarizes(&self) -> Polarizes {
-        Polarizes::Keeps
+    fn effect(&self) -> Effect {
+        Effect {
+            retards: true,
+            ..Effect::default()
+        }
     }
 }

@@ -24,7 +24,7 @@ use glam::Vec3A;
 
 use super::conductor::Metal;
 use super::microfacet::Microfacets;
-use super::{Departure, Matter, Polarizes, axis_s, mirror};
+use super::{Departure, Effect, Matter, axis_s, mirror};
 use crate::coherence::Coherence;
 use crate::light::Light;
 use crate::scene::{Object, SceneError};
@@ -39,7 +39,10 @@ pub struct RoughConductor {
 impl RoughConductor {
     /// Reads its parameters.
     pub fn read(object: &Object) -> Result<Self, SceneError> {
-        Ok(Self { metal: Metal::read(object)?, facets: Microfacets::read(object)? })
+        Ok(Self {
+            metal: Metal::read(object)?,
+            facets: Microfacets::read(object)?,
+        })
     }
 }
 
@@ -61,13 +64,21 @@ impl Matter for RoughConductor {
     }
 
     #[inline]
-    fn respond<L: Light>(&self, o: Vec3A, i: Vec3A, wavelengths: &[f32], _: &Coherence) -> (L::Response, f32) {
+    fn respond<L: Light>(
+        &self,
+        o: Vec3A,
+        i: Vec3A,
+        wavelengths: &[f32],
+        _: &Coherence,
+    ) -> (L::Response, f32) {
         if o.z <= 0.0 || i.z <= 0.0 {
             return (L::depolarizing(|_| 0.0), 0.0);
         }
         let h = (o + i).normalize();
         let cos = i.dot(h).min(1.0);
-        let weight = self.facets.density(h) * self.facets.shadowing(i, h) * self.facets.shadowing(o, h) / (4.0 * o.z);
+        let weight =
+            self.facets.density(h) * self.facets.shadowing(i, h) * self.facets.shadowing(o, h)
+                / (4.0 * o.z);
         let density = self.facets.sampling_density(o, h) / (4.0 * cos);
         let response = L::diattenuating_retarder(axis_s(h, i), |lane| {
             self.metal.reflection(cos, wavelengths[lane]).scaled(weight)
@@ -79,7 +90,11 @@ impl Matter for RoughConductor {
         false
     }
 
-    fn polarizes(&self) -> Polarizes {
-        Polarizes::Elliptical
+    fn effect(&self) -> Effect {
+        Effect {
+            makes_linear: true,
+            retards: true,
+            ..Effect::default()
+        }
     }
 }

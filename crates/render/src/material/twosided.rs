@@ -12,7 +12,7 @@
 
 use glam::Vec3A;
 
-use super::{Departure, Material, Matter, Polarizes};
+use super::{Departure, Effect, Material, Matter};
 use crate::coherence::Coherence;
 use crate::light::Light;
 
@@ -32,7 +32,10 @@ fn turned(v: Vec3A) -> Vec3A {
 impl TwoSided {
     /// From the matter of its sides.
     pub fn new(front: Material, back: Material) -> Self {
-        Self { front: Box::new(front), back: Box::new(back) }
+        Self {
+            front: Box::new(front),
+            back: Box::new(back),
+        }
     }
 
     /// Front and back.
@@ -48,7 +51,10 @@ impl Matter for TwoSided {
             return self.front.sample(o, wavelengths, u);
         }
         let departure = self.back.sample(turned(o), wavelengths, u)?;
-        Some(Departure { direction: turned(departure.direction), ..departure })
+        Some(Departure {
+            direction: turned(departure.direction),
+            ..departure
+        })
     }
 
     #[inline]
@@ -62,7 +68,9 @@ impl Matter for TwoSided {
         if o.z > 0.0 {
             return self.front.respond::<L>(o, i, wavelengths, coherence);
         }
-        let (response, density) = self.back.respond::<L>(turned(o), turned(i), wavelengths, coherence);
+        let (response, density) =
+            self.back
+                .respond::<L>(turned(o), turned(i), wavelengths, coherence);
         (L::map_axes(response, turned), density)
     }
 
@@ -70,15 +78,8 @@ impl Matter for TwoSided {
         self.front.is_discrete() && self.back.is_discrete()
     }
 
-    fn polarizes(&self) -> Polarizes {
-        let [front, back] = self.sides().map(Matter::polarizes);
-        // the side that does more to the light
-        let rank = |p| match p {
-            Polarizes::Depolarizes => 0,
-            Polarizes::Keeps => 1,
-            Polarizes::Linear => 2,
-            Polarizes::Elliptical => 3,
-        };
-        if rank(front) >= rank(back) { front } else { back }
+    fn effect(&self) -> Effect {
+        let [front, back] = self.sides().map(Matter::effect);
+        front.and(back)
     }
 }

@@ -5,16 +5,19 @@ use std::rc::Rc;
 
 use glam::{DMat4, DVec3};
 
+use super::document::Document;
 use super::error::SceneError;
 use super::mesh::load_obj;
-use super::document::Document;
 use super::object::Object;
-use super::tag::Tag;
 use super::plugins;
+use super::tag::Tag;
 use super::world::{Body, Owner, Scene};
-use crate::emitter::{Emitter, area::Area, constant::Constant, directional::Directional, point::Point, spot::Spot};
+use crate::emitter::{
+    Emitter, area::Area, constant::Constant, directional::Directional, point::Point, spot::Spot,
+};
 use crate::film::FilmGeometry;
 use crate::filter::Filter;
+use crate::material::Material;
 use crate::material::circular::Circular;
 use crate::material::conductor::Conductor;
 use crate::material::dielectric::Dielectric;
@@ -25,11 +28,11 @@ use crate::material::pplastic::Pplastic;
 use crate::material::retarder::Retarder;
 use crate::material::roughconductor::RoughConductor;
 use crate::material::twosided::TwoSided;
-use crate::material::Material;
 use crate::path::PathOptions;
 use crate::sensor::perspective::Perspective;
 use crate::shape::{
-    Shape, cube::Cube, cylinder::Cylinder, disk::Disk, mesh::PlacedMesh, rectangle::Rectangle, sphere::Sphere,
+    Shape, cube::Cube, cylinder::Cylinder, disk::Disk, mesh::PlacedMesh, rectangle::Rectangle,
+    sphere::Sphere,
 };
 
 /// What the command line says instead of the scene file.
@@ -76,14 +79,21 @@ pub fn build(document: &Document, overrides: Overrides) -> Result<BuiltScene, Sc
     let root = &document.root;
     let paths = match root.child(Tag::Integrator)? {
         Some(integrator) => read_integrator(&integrator)?,
-        None => PathOptions { max_depth: u32::MAX, rr_depth: 5, hide_emitters: false },
+        None => PathOptions {
+            max_depth: u32::MAX,
+            rr_depth: 5,
+            hide_emitters: false,
+        },
     };
     let sensors = root.children(Tag::Sensor);
-    let sensor = sensors
-        .first()
-        .ok_or_else(|| root.error("the scene has no sensor, expected one <sensor type=\"perspective\">"))?;
+    let sensor = sensors.first().ok_or_else(|| {
+        root.error("the scene has no sensor, expected one <sensor type=\"perspective\">")
+    })?;
     for unused in &sensors[1..] {
-        unused.notice_at("", "only the first sensor of a scene is rendered; this one is not looked at");
+        unused.notice_at(
+            "",
+            "only the first sensor of a scene is rendered; this one is not looked at",
+        );
     }
     let (camera, film, samples, sampler) = read_sensor(sensor, overrides)?;
 
@@ -116,14 +126,23 @@ pub fn build(document: &Document, overrides: Overrides) -> Result<BuiltScene, Sc
 }
 
 /// A whole number within bounds.
-fn bounded(object: &Object, name: &str, default: i64, low: i64, high: i64) -> Result<i64, SceneError> {
+fn bounded(
+    object: &Object,
+    name: &str,
+    default: i64,
+    low: i64,
+    high: i64,
+) -> Result<i64, SceneError> {
     let value = object.integer(name, default)?;
     if (low..=high).contains(&value) {
         Ok(value)
     } else {
         Err(object.error_at(
             name,
-            format!("'{name}' of {} is {value}, expected a number from {low} to {high}", object.describe()),
+            format!(
+                "'{name}' of {} is {value}, expected a number from {low} to {high}",
+                object.describe()
+            ),
         ))
     }
 }
@@ -152,7 +171,10 @@ fn read_integrator(object: &Object) -> Result<PathOptions, SceneError> {
     }
 }
 
-fn read_sensor(object: &Object, overrides: Overrides) -> Result<(Perspective, FilmGeometry, u64, String), SceneError> {
+fn read_sensor(
+    object: &Object,
+    overrides: Overrides,
+) -> Result<(Perspective, FilmGeometry, u64, String), SceneError> {
     if object.plugin != "perspective" {
         return Err(plugins::refuse(object));
     }
@@ -176,7 +198,13 @@ fn read_sampler(object: &Object) -> Result<(u64, String), SceneError> {
     let count = bounded(object, "sample_count", 4, 1, 1 << 40)?;
     object.without_effect(&["seed", "jitter", "strength"]);
     if object.plugin != "independent" {
-        object.notice_at("", format!("{} sets the sample count only; --sampler chooses the generator", object.describe()));
+        object.notice_at(
+            "",
+            format!(
+                "{} sets the sample count only; --sampler chooses the generator",
+                object.describe()
+            ),
+        );
     }
     object.finish()?;
     Ok((count as u64, object.plugin.clone()))
@@ -185,7 +213,12 @@ fn read_sampler(object: &Object) -> Result<(u64, String), SceneError> {
 fn default_film(overrides: Overrides) -> FilmGeometry {
     let size = overrides.size.unwrap_or([768, 576]);
     let [x, y, width, height] = overrides.crop.unwrap_or([0, 0, size[0], size[1]]);
-    FilmGeometry { size, crop_offset: [x, y], crop_size: [width, height], filter: Filter::Gaussian { stddev: 0.5 } }
+    FilmGeometry {
+        size,
+        crop_offset: [x, y],
+        crop_size: [width, height],
+        filter: Filter::Gaussian { stddev: 0.5 },
+    }
 }
 
 fn read_film(object: &Object, overrides: Overrides) -> Result<FilmGeometry, SceneError> {
@@ -203,7 +236,13 @@ fn read_film(object: &Object, overrides: Overrides) -> Result<FilmGeometry, Scen
     };
     let mut offset = [0; 2];
     let mut crop = [0; 2];
-    for (axis, (at, along)) in [("crop_offset_x", "crop_width"), ("crop_offset_y", "crop_height")].iter().enumerate() {
+    for (axis, (at, along)) in [
+        ("crop_offset_x", "crop_width"),
+        ("crop_offset_y", "crop_height"),
+    ]
+    .iter()
+    .enumerate()
+    {
         let whole = i64::from(file_size[axis]);
         let first = bounded(object, at, 0, 0, whole - 1)?;
         let length = bounded(object, along, whole - first, 1, whole - first)?;
@@ -217,9 +256,21 @@ fn read_film(object: &Object, overrides: Overrides) -> Result<FilmGeometry, Scen
         Some(filter) => read_filter(&filter)?,
         None => Filter::Gaussian { stddev: 0.5 },
     };
-    object.without_effect(&["file_format", "pixel_format", "component_format", "compensate", "banner", "sample_border"]);
+    object.without_effect(&[
+        "file_format",
+        "pixel_format",
+        "component_format",
+        "compensate",
+        "banner",
+        "sample_border",
+    ]);
     object.finish()?;
-    Ok(FilmGeometry { size, crop_offset: offset, crop_size: crop, filter })
+    Ok(FilmGeometry {
+        size,
+        crop_offset: offset,
+        crop_size: crop,
+        filter,
+    })
 }
 
 fn read_filter(object: &Object) -> Result<Filter, SceneError> {
@@ -228,13 +279,23 @@ fn read_filter(object: &Object) -> Result<Filter, SceneError> {
         if value > 0.0 && value <= 100.0 {
             Ok(value as f32)
         } else {
-            Err(object.error_at(name, format!("'{name}' of {} is {value}, expected pixels, up to 100", object.describe())))
+            Err(object.error_at(
+                name,
+                format!(
+                    "'{name}' of {} is {value}, expected pixels, up to 100",
+                    object.describe()
+                ),
+            ))
         }
     };
     let filter = match object.plugin.as_str() {
         "box" => Filter::Box,
-        "tent" => Filter::Tent { radius: length("radius", 1.0)? },
-        "gaussian" => Filter::Gaussian { stddev: length("stddev", 0.5)? },
+        "tent" => Filter::Tent {
+            radius: length("radius", 1.0)?,
+        },
+        "gaussian" => Filter::Gaussian {
+            stddev: length("stddev", 0.5)?,
+        },
         _ => return Err(plugins::refuse(object)),
     };
     object.finish()?;
@@ -275,7 +336,8 @@ impl Builder {
 
     fn add_emitter(&mut self, emitter: Emitter, object: &Object) -> u32 {
         self.scene.emitters.push(emitter);
-        self.emitter_names.push(format!("{} ({})", object.plugin, object.position));
+        self.emitter_names
+            .push(format!("{} ({})", object.plugin, object.position));
         self.scene.emitters.len() as u32 - 1
     }
 
@@ -284,14 +346,17 @@ impl Builder {
         let emitter = match object.plugin.as_str() {
             "constant" => {
                 if self.scene.environment.is_some() {
-                    return Err(object.error("second emitter that surrounds the scene, expected at most one"));
+                    return Err(object
+                        .error("second emitter that surrounds the scene, expected at most one"));
                 }
                 Emitter::Constant(Constant::read(object)?)
             }
             "point" => Emitter::Point(Point::read(object)?),
             "spot" => Emitter::Spot(Spot::read(object)?),
             "directional" => Emitter::Directional(Directional::read(object)?),
-            "area" => return Err(object.error("emitter 'area' stands alone, expected it inside a shape")),
+            "area" => {
+                return Err(object.error("emitter 'area' stands alone, expected it inside a shape"));
+            }
             _ => return Err(plugins::refuse(object)),
         };
         object.finish()?;
@@ -309,7 +374,10 @@ impl Builder {
         }
         let material = match object.child(Tag::Bsdf)? {
             Some(bsdf) => self.material(&bsdf)?,
-            None => self.add_material(Material::Diffuse(Diffuse::default()), "diffuse (default)".to_owned()),
+            None => self.add_material(
+                Material::Diffuse(Diffuse::default()),
+                "diffuse (default)".to_owned(),
+            ),
         };
         let emitter = object.child(Tag::Emitter)?;
         let body = self.body(object, emitter.is_some())?;
@@ -319,8 +387,13 @@ impl Builder {
                 emitter.finish()?;
                 Some(self.add_emitter(Emitter::Area(area), &emitter))
             }
-            Some(emitter) if plugins::supported(Tag::Emitter).contains(&emitter.plugin.as_str()) => {
-                return Err(emitter.error(format!("{} inside a shape, expected 'area'", emitter.describe())));
+            Some(emitter)
+                if plugins::supported(Tag::Emitter).contains(&emitter.plugin.as_str()) =>
+            {
+                return Err(emitter.error(format!(
+                    "{} inside a shape, expected 'area'",
+                    emitter.describe()
+                )));
             }
             Some(emitter) => return Err(plugins::refuse(&emitter)),
             None => None,
@@ -343,20 +416,32 @@ impl Builder {
         let shape = match object.plugin.as_str() {
             "rectangle" => Shape::Rectangle(Rectangle::new(&to_world, flip)),
             "disk" => Shape::Disk(Disk::new(&to_world, flip)),
-            "cube" => Shape::Cube(Cube::new(&to_world, flip)),
+            "cube" => Shape::Cube(Box::new(Cube::new(&to_world, flip))),
             "sphere" => {
                 let radius = positive(object, "radius", 1.0)?;
                 let centre: DVec3 = object.optional_point("center")?.unwrap_or_default().into();
-                Shape::Sphere(Sphere::new(centre, radius, &to_world, flip).ok_or_else(|| not_rigid(object))?)
+                Shape::Sphere(
+                    Sphere::new(centre, radius, &to_world, flip)
+                        .ok_or_else(|| not_rigid(object))?,
+                )
             }
             _ => {
                 let radius = positive(object, "radius", 1.0)?;
                 let p0: DVec3 = object.optional_point("p0")?.unwrap_or([0.0; 3]).into();
-                let p1: DVec3 = object.optional_point("p1")?.unwrap_or([0.0, 0.0, 1.0]).into();
+                let p1: DVec3 = object
+                    .optional_point("p1")?
+                    .unwrap_or([0.0, 0.0, 1.0])
+                    .into();
                 if p0 == p1 {
-                    return Err(object.error_at("p1", "'p0' and 'p1' are the same point, expected a tube of some length"));
+                    return Err(object.error_at(
+                        "p1",
+                        "'p0' and 'p1' are the same point, expected a tube of some length",
+                    ));
                 }
-                Shape::Cylinder(Cylinder::new(p0, p1, radius, &to_world, flip).ok_or_else(|| not_rigid(object))?)
+                Shape::Cylinder(
+                    Cylinder::new(p0, p1, radius, &to_world, flip)
+                        .ok_or_else(|| not_rigid(object))?,
+                )
             }
         };
         let bounds = shape.bounds();
@@ -365,7 +450,13 @@ impl Builder {
         Ok(Body::Shape(self.scene.shapes.len() as u32 - 1))
     }
 
-    fn mesh(&mut self, object: &Object, to_world: &DMat4, flip: bool, emits: bool) -> Result<Body, SceneError> {
+    fn mesh(
+        &mut self,
+        object: &Object,
+        to_world: &DMat4,
+        flip: bool,
+        emits: bool,
+    ) -> Result<Body, SceneError> {
         let path = object.path("filename")?;
         let mesh = load_obj(&path, object.boolean("flip_tex_coords", true)?)?;
         for notice in &mesh.notices {
@@ -374,12 +465,18 @@ impl Builder {
         let face_normals = object.boolean("face_normals", false)?;
         let placed = PlacedMesh::new(mesh, to_world, face_normals, flip, emits);
         within_reach(object, placed.reach())?;
-        if emits && !(placed.area() > 0.0) {
-            return Err(object.error_at("filename", "an emitter on a mesh without area, expected triangles that can shine"));
+        if emits && placed.area() <= 0.0 {
+            return Err(object.error_at(
+                "filename",
+                "an emitter on a mesh without area, expected triangles that can shine",
+            ));
         }
         let known: usize = self.scene.meshes.iter().map(PlacedMesh::len).sum();
         if known + placed.len() >= crate::geometry::bvh::MAX_PRIMITIVES {
-            return Err(object.error_at("filename", "more than a thousand million triangles in the scene, expected fewer"));
+            return Err(object.error_at(
+                "filename",
+                "more than a thousand million triangles in the scene, expected fewer",
+            ));
         }
         self.scene.meshes.push(placed);
         Ok(Body::Mesh(self.scene.meshes.len() as u32 - 1))
@@ -391,7 +488,13 @@ fn positive(object: &Object, name: &str, default: f64) -> Result<f64, SceneError
     if value > 0.0 {
         Ok(value)
     } else {
-        Err(object.error_at(name, format!("'{name}' of {} is {value}, expected a positive number", object.describe())))
+        Err(object.error_at(
+            name,
+            format!(
+                "'{name}' of {} is {value}, expected a positive number",
+                object.describe()
+            ),
+        ))
     }
 }
 
@@ -442,7 +545,10 @@ fn read_material(object: &Rc<Object>) -> Result<Material, SceneError> {
             let [front, back] = [front, back].map(|side| {
                 let material = read_material(side)?;
                 if material.is_two_sided() {
-                    return Err(side.error(format!("{} has two sides already, expected matter with one", side.describe())));
+                    return Err(side.error(format!(
+                        "{} has two sides already, expected matter with one",
+                        side.describe()
+                    )));
                 }
                 Ok(material)
             });

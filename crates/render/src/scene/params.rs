@@ -73,7 +73,9 @@ impl Object {
 
     /// Whether the file gives this parameter as a text. Does not count as reading it.
     pub fn is_string(&self, name: &str) -> bool {
-        self.parameters.iter().any(|p| p.name == name && matches!(p.value, Value::String(_)))
+        self.parameters
+            .iter()
+            .any(|p| p.name == name && matches!(p.value, Value::String(_)))
     }
 
     /// One of the `allowed` texts, or `default`.

@@ -62,14 +62,32 @@ const KINDS: [Kind; 8] = [
     Kind {
         tag: Tag::Emitter,
         supported: &["area", "constant", "directional", "point", "spot"],
-        missing: &["directionalarea", "envmap", "projector", "sunsky", "timed_sunsky", "volumelight"],
+        missing: &[
+            "directionalarea",
+            "envmap",
+            "projector",
+            "sunsky",
+            "timed_sunsky",
+            "volumelight",
+        ],
     },
     Kind {
         tag: Tag::Sensor,
         supported: &["perspective"],
-        missing: &["batch", "distant", "irradiancemeter", "orthographic", "radiancemeter", "thinlens"],
+        missing: &[
+            "batch",
+            "distant",
+            "irradiancemeter",
+            "orthographic",
+            "radiancemeter",
+            "thinlens",
+        ],
     },
-    Kind { tag: Tag::Film, supported: &["hdrfilm"], missing: &["specfilm"] },
+    Kind {
+        tag: Tag::Film,
+        supported: &["hdrfilm"],
+        missing: &["specfilm"],
+    },
     Kind {
         tag: Tag::Rfilter,
         supported: &["box", "gaussian", "tent"],
@@ -77,36 +95,64 @@ const KINDS: [Kind; 8] = [
     },
     Kind {
         tag: Tag::Sampler,
-        supported: &["independent", "ldsampler", "multijitter", "orthogonal", "stratified"],
+        supported: &[
+            "independent",
+            "ldsampler",
+            "multijitter",
+            "orthogonal",
+            "stratified",
+        ],
         missing: &[],
     },
     Kind {
         tag: Tag::Integrator,
         supported: &["path", "stokes"],
         missing: &[
-            "aov", "depth", "direct", "moment", "prb", "prb_basic", "prb_projective", "prbvolpath", "ptracer",
-            "volpath", "volpathmis",
+            "aov",
+            "depth",
+            "direct",
+            "moment",
+            "prb",
+            "prb_basic",
+            "prb_projective",
+            "prbvolpath",
+            "ptracer",
+            "volpath",
+            "volpathmis",
         ],
     },
 ];
 
 /// The names that may stand in the attribute `type` of this kind of object.
 pub fn supported(tag: Tag) -> &'static [&'static str] {
-    KINDS.iter().find(|kind| kind.tag == tag).map_or(&[], |kind| kind.supported)
+    KINDS
+        .iter()
+        .find(|kind| kind.tag == tag)
+        .map_or(&[], |kind| kind.supported)
 }
 
 /// The error for an object whose plugin we do not have, or that cannot stand where it does.
 pub fn refuse(object: &Object) -> SceneError {
     let what = object.describe();
     let Some(kind) = KINDS.iter().find(|kind| kind.tag == object.tag) else {
-        return object.error(format!("{what} is not supported yet, nor is any other {}", object.tag.name()));
+        return object.error(format!(
+            "{what} is not supported yet, nor is any other {}",
+            object.tag.name()
+        ));
     };
     let list = kind.supported.join(", ");
     if kind.missing.contains(&object.plugin.as_str()) {
-        return object.error(format!("{what} is not supported yet; supported are: {list}"));
+        return object.error(format!(
+            "{what} is not supported yet; supported are: {list}"
+        ));
     }
-    match nearest(&object.plugin, kind.supported.iter().chain(kind.missing).copied()) {
-        Some(near) => object.error(format!("unknown {what}, did you mean '{near}'? Supported are: {list}")),
+    match nearest(
+        &object.plugin,
+        kind.supported.iter().chain(kind.missing).copied(),
+    ) {
+        Some(near) => object.error(format!(
+            "unknown {what}, did you mean '{near}'? Supported are: {list}"
+        )),
         None => object.error(format!("unknown {what}, expected one of: {list}")),
     }
 }

@@ -89,9 +89,10 @@ impl Scene {
 
     #[inline]
     fn trace<const ANY: bool>(&self, ray: &Ray, stack: &mut Stack) -> Option<Hit> {
-        self.bvh.traverse::<ANY>(ray, self.mesh_of.len() as u32, stack, |shape, t_max| {
-            self.shapes[shape as usize].intersect(ray, t_max)
-        })
+        self.bvh
+            .traverse::<ANY>(ray, self.mesh_of.len() as u32, stack, |shape, t_max| {
+                self.shapes[shape as usize].intersect(ray, t_max)
+            })
     }
 
     /// The nearest surface along a ray.
@@ -102,7 +103,10 @@ impl Scene {
         Some(if triangle < self.mesh_of.len() {
             let mesh = self.mesh_of[triangle] as usize;
             let local = triangle - self.first_triangle[mesh] as usize;
-            Encounter { surface: self.meshes[mesh].surface(local, hit.u, hit.v), owner: self.mesh_owners[mesh] }
+            Encounter {
+                surface: self.meshes[mesh].surface(local, hit.u, hit.v),
+                owner: self.mesh_owners[mesh],
+            }
         } else {
             let shape = triangle - self.mesh_of.len();
             Encounter {
@@ -117,15 +121,28 @@ impl Scene {
     pub fn is_visible(&self, from: &Surface, connection: &Connection, stack: &mut Stack) -> bool {
         let origin = offset_origin(from.position, from.error, from.normal, connection.direction);
         let ray = match connection.target {
-            None => Ray { origin, direction: connection.direction, t_max: f32::INFINITY },
+            None => Ray {
+                origin,
+                direction: connection.direction,
+                t_max: f32::INFINITY,
+            },
             Some(target) => {
                 let end = if target.normal == Vec3A::ZERO {
                     target.position
                 } else {
-                    offset_origin(target.position, target.error, target.normal, -connection.direction)
+                    offset_origin(
+                        target.position,
+                        target.error,
+                        target.normal,
+                        -connection.direction,
+                    )
                 };
                 // t counts in lengths of the whole way; the source itself lies beyond t = 1
-                Ray { origin, direction: end - origin, t_max: 1.0 - 1e-6 }
+                Ray {
+                    origin,
+                    direction: end - origin,
+                    t_max: 1.0 - 1e-6,
+                }
             }
         };
         self.trace::<true>(&ray, stack).is_none()
@@ -133,12 +150,26 @@ impl Scene {
 
     /// Draws a light source and a way to it; the density includes the choice of the source.
     #[inline]
-    pub fn connect(&self, from: Vec3A, frame: &Frame, choice: f32, u: [f32; 2]) -> Option<(&Emitter, Connection)> {
+    pub fn connect(
+        &self,
+        from: Vec3A,
+        frame: &Frame,
+        choice: f32,
+        u: [f32; 2],
+    ) -> Option<(&Emitter, Connection)> {
         let count = self.emitters.len();
-        let emitter = self.emitters.get(((choice * count as f32) as usize).min(count.checked_sub(1)?))?;
+        let emitter = self
+            .emitters
+            .get(((choice * count as f32) as usize).min(count.checked_sub(1)?))?;
         let connection = emitter.connect(self, from, frame, u)?;
         let share = (count as f32).recip();
-        Some((emitter, Connection { density: connection.density * share, ..connection }))
+        Some((
+            emitter,
+            Connection {
+                density: connection.density * share,
+                ..connection
+            },
+        ))
     }
 
     /// Density of [`Scene::connect`] for the point that a ray from `from` has hit.

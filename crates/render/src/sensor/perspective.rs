@@ -39,10 +39,16 @@ fn half_width(object: &Object, aspect: f64) -> Result<f64, SceneError> {
     let axis = object.choice("fov_axis", "x", &axes)?;
     if let Some(fov) = object.optional_float("fov")? {
         if object.has("focal_length") {
-            return Err(object.error_at("focal_length", "both 'fov' and 'focal_length' are given, expected one of them"));
+            return Err(object.error_at(
+                "focal_length",
+                "both 'fov' and 'focal_length' are given, expected one of them",
+            ));
         }
         if !(fov > 0.0 && fov < 180.0) {
-            return Err(object.error_at("fov", format!("an angle of {fov}°, expected one between 0 and 180")));
+            return Err(object.error_at(
+                "fov",
+                format!("an angle of {fov}°, expected one between 0 and 180"),
+            ));
         }
         let half = (0.5 * fov.to_radians()).tan();
         let by_width = match axis.as_str() {
@@ -59,7 +65,12 @@ fn half_width(object: &Object, aspect: f64) -> Result<f64, SceneError> {
         .strip_suffix("mm")
         .and_then(|number| number.trim().parse().ok())
         .filter(|f: &f64| *f > 0.0 && f.is_finite())
-        .ok_or_else(|| object.error_at("focal_length", format!("'{text}', expected a positive length such as '50mm'")))?;
+        .ok_or_else(|| {
+            object.error_at(
+                "focal_length",
+                format!("'{text}', expected a positive length such as '50mm'"),
+            )
+        })?;
     let film_diagonal = 36f64.hypot(24.0);
     Ok(0.5 * film_diagonal / millimetres / diagonal)
 }
@@ -70,11 +81,14 @@ impl Perspective {
         let aspect = f64::from(size[0]) / f64::from(size[1]);
         let width = half_width(object, aspect)?;
         let to_world = object.transform("to_world")?;
-        let [right, up, forward] = [DVec3::NEG_X, DVec3::Y, DVec3::Z].map(|axis| to_world.transform_vector3(axis));
+        let [right, up, forward] =
+            [DVec3::NEG_X, DVec3::Y, DVec3::Z].map(|axis| to_world.transform_vector3(axis));
         let lengths = [right, up, forward].map(DVec3::length);
         let skew = [right.dot(up), up.dot(forward), forward.dot(right)];
         let unit = lengths[2];
-        if lengths.iter().any(|l| (l / unit - 1.0).abs() > 1e-5) || skew.iter().any(|s| s.abs() > 1e-5 * unit * unit) {
+        if lengths.iter().any(|l| (l / unit - 1.0).abs() > 1e-5)
+            || skew.iter().any(|s| s.abs() > 1e-5 * unit * unit)
+        {
             return Err(object.error_at(
                 "to_world",
                 "a camera that is stretched or skewed, expected a transform that only moves, turns and mirrors",
@@ -98,6 +112,13 @@ impl Perspective {
         let up = (1.0 - 2.0 * y / self.size[1]) * self.half[1];
         let direction = (self.forward + self.right * right + self.up * up).normalize();
         let axis = direction.cross(self.up).normalize();
-        (Ray { origin: self.origin, direction, t_max: f32::INFINITY }, axis)
+        (
+            Ray {
+                origin: self.origin,
+                direction,
+                t_max: f32::INFINITY,
+            },
+            axis,
+        )
     }
 }

@@ -1,6 +1,6 @@
 //! `cube`: the box [−1, 1]³ of local space under any affine map; normals outward; axis U as Mitsuba's per face.
 
-use glam::{DMat3, DMat4, Vec3A};
+use glam::{DMat3, DMat4, DVec3, Vec3A};
 
 use super::{Columns, Surface};
 use crate::geometry::bvh::Bounds;
@@ -36,21 +36,27 @@ impl Cube {
             let frame = Frame::with_tangent(outward.as_vec3a(), tangents[face].as_vec3a());
             if flip_normals { frame.flipped() } else { frame }
         });
-        let edges_f32 = edges.map(|e| e.as_vec3a());
+        let edges_f32 = edges.map(DVec3::as_vec3a);
         let reach = edges_f32.iter().fold(Vec3A::ZERO, |sum, e| sum + e.abs());
         Self {
             centre: c.origin.as_vec3a(),
             edges: edges_f32,
-            rows: rows.map(|r| r.as_vec3a()),
+            rows: rows.map(DVec3::as_vec3a),
             faces,
-            error: (c.origin.as_vec3a().abs() + reach) * gamma(8) + Vec3A::splat(reach.length() * gamma(8)),
-            areas: [0, 1, 2].map(|i| 4.0 * edges[(i + 1) % 3].cross(edges[(i + 2) % 3]).length() as f32),
+            error: (c.origin.as_vec3a().abs() + reach) * gamma(8)
+                + Vec3A::splat(reach.length() * gamma(8)),
+            areas: [0, 1, 2]
+                .map(|i| 4.0 * edges[(i + 1) % 3].cross(edges[(i + 2) % 3]).length() as f32),
         }
     }
 
     pub(super) fn bounds(&self) -> Bounds {
         let reach = self.edges.iter().fold(Vec3A::ZERO, |sum, e| sum + e.abs());
-        Bounds { min: self.centre - reach, max: self.centre + reach }.grown(self.error)
+        Bounds {
+            min: self.centre - reach,
+            max: self.centre + reach,
+        }
+        .grown(self.error)
     }
 
     /// `u` is the index of the face.
@@ -78,7 +84,11 @@ impl Cube {
         if near > far {
             return None;
         }
-        let (t, face) = if near > 0.0 { (near, near_face) } else { (far, far_face) };
+        let (t, face) = if near > 0.0 {
+            (near, near_face)
+        } else {
+            (far, far_face)
+        };
         (t > 0.0 && t < t_max).then_some((t, face as f32, 0.0))
     }
 
@@ -89,7 +99,10 @@ impl Cube {
         let mut local = [0, 1, 2].map(|axis| self.rows[axis].dot(p).clamp(-1.0, 1.0));
         local[face / 2] = if face % 2 == 1 { 1.0 } else { -1.0 };
         Surface {
-            position: self.centre + self.edges[0] * local[0] + self.edges[1] * local[1] + self.edges[2] * local[2],
+            position: self.centre
+                + self.edges[0] * local[0]
+                + self.edges[1] * local[1]
+                + self.edges[2] * local[2],
             error: self.error,
             normal: self.faces[face].n,
             frame: self.faces[face],

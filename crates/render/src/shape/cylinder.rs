@@ -26,7 +26,13 @@ pub struct Cylinder {
 impl Cylinder {
     /// From its end points and radius in local space; the transform may move, turn, mirror and scale uniformly, `None`
     /// if it does anything else or if the tube has no length.
-    pub fn new(p0: DVec3, p1: DVec3, radius: f64, to_world: &DMat4, flip_normals: bool) -> Option<Self> {
+    pub fn new(
+        p0: DVec3,
+        p1: DVec3,
+        radius: f64,
+        to_world: &DMat4,
+        flip_normals: bool,
+    ) -> Option<Self> {
         let c = Columns::of(to_world);
         let scale = c.uniform_scale()?;
         let (start, end) = (to_world.transform_point3(p0), to_world.transform_point3(p1));
@@ -45,9 +51,17 @@ impl Cylinder {
 
     pub(super) fn bounds(&self) -> Bounds {
         let end = self.start + self.axis * self.length;
-        let reach = (DVec3::ONE - self.axis * self.axis).max(DVec3::ZERO).map(f64::sqrt) * self.radius;
-        let corners = [self.start - reach, self.start + reach, end - reach, end + reach];
-        Bounds::of(corners.map(|p| p.as_vec3a())).grown(self.error)
+        let reach = (DVec3::ONE - self.axis * self.axis)
+            .max(DVec3::ZERO)
+            .map(f64::sqrt)
+            * self.radius;
+        let corners = [
+            self.start - reach,
+            self.start + reach,
+            end - reach,
+            end + reach,
+        ];
+        Bounds::of(corners.map(DVec3::as_vec3a)).grown(self.error)
     }
 
     #[inline]
@@ -98,7 +112,10 @@ impl Cylinder {
     pub(super) fn sample(&self, u: [f32; 2]) -> (Vec3A, Vec3A, Vec3A) {
         let frame = Frame::around(self.axis.as_vec3a());
         let (sin, cos) = (TAU * u[0]).sin_cos();
-        let at = self.at(frame.to_world(Vec3A::new(cos, sin, 0.0)).as_dvec3(), f64::from(u[1]) * self.length);
+        let at = self.at(
+            frame.to_world(Vec3A::new(cos, sin, 0.0)).as_dvec3(),
+            f64::from(u[1]) * self.length,
+        );
         (at.position, at.error, at.normal)
     }
 }

@@ -44,7 +44,11 @@ impl Disk {
 
     pub(super) fn bounds(&self) -> Bounds {
         let reach = (self.radius_u * self.radius_u + self.radius_v * self.radius_v).map(f32::sqrt);
-        Bounds { min: self.centre - reach, max: self.centre + reach }.grown(self.error)
+        Bounds {
+            min: self.centre - reach,
+            max: self.centre + reach,
+        }
+        .grown(self.error)
     }
 
     #[inline]
@@ -76,6 +80,10 @@ impl Disk {
 
     pub(super) fn sample(&self, u: [f32; 2]) -> (Vec3A, Vec3A, Vec3A) {
         let (x, y) = crate::sampler::unit_disk(u);
-        (self.centre + self.radius_u * x + self.radius_v * y, self.error, self.normal)
+        (
+            self.centre + self.radius_u * x + self.radius_v * y,
+            self.error,
+            self.normal,
+        )
     }
 }

@@ -23,13 +23,27 @@ pub struct PlacedMesh {
 impl PlacedMesh {
     /// Transforms a mesh into the world. Smooth normals are computed if the file has none and `face_normals` is not
     /// asked for. A mirroring transform keeps the front side where the (transformed) normals point.
-    pub fn new(mesh: Mesh, to_world: &DMat4, face_normals: bool, flip_normals: bool, emits: bool) -> Self {
-        let normals = (!face_normals).then(|| mesh.normals.clone().unwrap_or_else(|| vertex_normals(&mesh)));
+    pub fn new(
+        mesh: Mesh,
+        to_world: &DMat4,
+        face_normals: bool,
+        flip_normals: bool,
+        emits: bool,
+    ) -> Self {
+        let normals = (!face_normals).then(|| {
+            mesh.normals
+                .clone()
+                .unwrap_or_else(|| vertex_normals(&mesh))
+        });
         let covectors = DMat3::from_mat4(*to_world).inverse().transpose();
         let positions: Vec<Vec3A> = mesh
             .positions
             .iter()
-            .map(|&p| to_world.transform_point3(glam::Vec3::from(p).as_dvec3()).as_vec3a())
+            .map(|&p| {
+                to_world
+                    .transform_point3(glam::Vec3::from(p).as_dvec3())
+                    .as_vec3a()
+            })
             .collect();
         let mirrored = to_world.determinant() < 0.0;
         let mut triangles = mesh.triangles;
@@ -39,7 +53,11 @@ impl PlacedMesh {
         let normals = normals.map(|normals| {
             normals
                 .iter()
-                .map(|&n| (covectors * glam::Vec3::from(n).as_dvec3()).normalize_or_zero().as_vec3a())
+                .map(|&n| {
+                    (covectors * glam::Vec3::from(n).as_dvec3())
+                        .normalize_or_zero()
+                        .as_vec3a()
+                })
                 .collect()
         });
         let mut placed = Self {
@@ -54,7 +72,7 @@ impl PlacedMesh {
             let mut sum = 0.0;
             placed.cumulative_area = (0..placed.len())
                 .map(|i| {
-                    let [a, b, c] = placed.corners(i).map(|p| p.as_dvec3());
+                    let [a, b, c] = placed.corners(i).map(Vec3A::as_dvec3);
                     sum += 0.5 * (b - a).cross(c - a).length();
                     sum
                 })
@@ -112,7 +130,9 @@ impl PlacedMesh {
     fn shading_normal(&self, triangle: usize, weights: [f32; 3]) -> Option<Vec3A> {
         let normals = self.normals.as_ref()?;
         let [a, b, c] = self.triangles[triangle].map(|i| normals[i as usize]);
-        (a * weights[0] + b * weights[1] + c * weights[2]).try_normalize().map(|n| n * self.side)
+        (a * weights[0] + b * weights[1] + c * weights[2])
+            .try_normalize()
+            .map(|n| n * self.side)
     }
 
     /// Direction of growing first texture coordinate, or of the first edge.
@@ -138,9 +158,17 @@ impl PlacedMesh {
             return None;
         }
         let target = f64::from(u[0]) * total;
-        let triangle = self.cumulative_area.partition_point(|&sum| sum <= target).min(self.len() - 1);
-        let below = if triangle > 0 { self.cumulative_area[triangle - 1] } else { 0.0 };
-        let fraction = ((target - below) / (self.cumulative_area[triangle] - below)).clamp(0.0, 1.0) as f32;
+        let triangle = self
+            .cumulative_area
+            .partition_point(|&sum| sum <= target)
+            .min(self.len() - 1);
+        let below = if triangle > 0 {
+            self.cumulative_area[triangle - 1]
+        } else {
+            0.0
+        };
+        let fraction =
+            ((target - below) / (self.cumulative_area[triangle] - below)).clamp(0.0, 1.0) as f32;
         let root = fraction.sqrt();
         let at = self.surface(triangle, root * (1.0 - u[1]), root * u[1]);
         by_area((at.position, at.error, at.normal), total as f32, reference)

@@ -50,8 +50,8 @@ pub enum Shape {
     Disk(disk::Disk),
     /// Open tube.
     Cylinder(cylinder::Cylinder),
-    /// Parallelepiped.
-    Cube(cube::Cube),
+    /// Parallelepiped, which is the largest of them.
+    Cube(Box<cube::Cube>),
 }
 
 impl Shape {
@@ -120,7 +120,12 @@ impl Shape {
 pub fn by_area(surface: (Vec3A, Vec3A, Vec3A), area: f32, reference: Vec3A) -> Option<AreaSample> {
     let (position, error, normal) = surface;
     let pdf = solid_angle_density(area, reference, position, normal);
-    (pdf.is_finite() && pdf > 0.0).then_some(AreaSample { position, error, normal, pdf })
+    (pdf.is_finite() && pdf > 0.0).then_some(AreaSample {
+        position,
+        error,
+        normal,
+        pdf,
+    })
 }
 
 /// Density per steradian of points that are uniform over `area`: r²/(A |cos|).

@@ -46,7 +46,11 @@ impl Rectangle {
 
     pub(super) fn bounds(&self) -> Bounds {
         let reach = self.half_u.abs() + self.half_v.abs();
-        Bounds { min: self.centre - reach, max: self.centre + reach }.grown(self.error)
+        Bounds {
+            min: self.centre - reach,
+            max: self.centre + reach,
+        }
+        .grown(self.error)
     }
 
     #[inline]

@@ -46,7 +46,11 @@ impl Sphere {
 
     pub(super) fn bounds(&self) -> Bounds {
         let reach = Vec3A::splat(self.radius);
-        Bounds { min: self.centre - reach, max: self.centre + reach }.grown(self.error)
+        Bounds {
+            min: self.centre - reach,
+            max: self.centre + reach,
+        }
+        .grown(self.error)
     }
 
     #[inline]
@@ -102,7 +106,11 @@ impl Sphere {
             let z = 1.0 - 2.0 * u[0];
             let (sin, cos) = (TAU * u[1]).sin_cos();
             let outward = Vec3A::new(cos, sin, 0.0) * (1.0 - z * z).max(0.0).sqrt() + Vec3A::Z * z;
-            let point = (self.centre + outward * self.radius, self.error, outward * self.side);
+            let point = (
+                self.centre + outward * self.radius,
+                self.error,
+                outward * self.side,
+            );
             return by_area(point, self.area(), reference);
         };
         let cap = Self::one_minus_cos(sin2_max);
@@ -114,7 +122,11 @@ impl Sphere {
         let sin_alpha = (1.0 - cos_alpha * cos_alpha).max(0.0).sqrt();
         let axis = Frame::around((reference - self.centre).normalize());
         let (sin_phi, cos_phi) = (TAU * u[1]).sin_cos();
-        let outward = axis.to_world(Vec3A::new(sin_alpha * cos_phi, sin_alpha * sin_phi, cos_alpha));
+        let outward = axis.to_world(Vec3A::new(
+            sin_alpha * cos_phi,
+            sin_alpha * sin_phi,
+            cos_alpha,
+        ));
         Some(AreaSample {
             position: self.centre + outward * self.radius,
             error: self.error,

@@ -1,0 +1,141 @@
+//! `brewster inspect`: what a scene holds, what its matter does to polarization, and what can arrive at the sensor.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use super::values::Define;
+use super::{Failure, Outcome};
+use crate::material::{Effect, Matter};
+use crate::needs::{Component, Needs};
+use crate::sampler::Generator;
+use crate::scene::{self, BuiltScene, Overrides};
+
+/// Command line of `brewster inspect`.
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// Scene file (Mitsuba 3 XML)
+    scene: PathBuf,
+    /// Fill $NAME in the scene file
+    #[arg(short = 'D', value_name = "NAME=VALUE")]
+    define: Vec<Define>,
+    /// Generator of the random numbers, as `brewster render` would get it
+    #[arg(long, value_enum, default_value_t)]
+    sampler: Generator,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Outcome {
+    let defines: Vec<(String, String)> = args
+        .define
+        .iter()
+        .map(|d| (d.name.clone(), d.value.clone()))
+        .collect();
+    let wrong = |e: scene::SceneError| Failure::Usage(e.to_string());
+    let document = scene::read(&args.scene, &defines).map_err(wrong)?;
+    let built = scene::build(&document, Overrides::default()).map_err(wrong)?;
+    print!("{}", describe(&built, args.sampler));
+    for notice in document.notices() {
+        println!("notice      {notice}");
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn describe(built: &BuiltScene, generator: Generator) -> String {
+    let BuiltScene {
+        scene, film, paths, ..
+    } = built;
+    let mut lines = Vec::new();
+    let mut line = |topic: &str, text: String| lines.push(format!("{topic:<11} {text}"));
+    let [width, height] = film.size;
+    line(
+        "film",
+        format!("{width} x {height} pixels, filter {:?}", film.filter).to_lowercase(),
+    );
+    if film.crop_size != film.size {
+        let ([x, y], [w, h]) = (film.crop_offset, film.crop_size);
+        line("", format!("cropped to {w} x {h} at {x}, {y}"));
+    }
+    let generator_name = clap::ValueEnum::to_possible_value(&generator)
+        .map_or_else(String::new, |v| v.get_name().to_owned());
+    line(
+        "samples",
+        format!(
+            "{} a pixel (sampler '{}'), generator '{generator_name}'",
+            built.samples, built.sampler
+        ),
+    );
+    let depth = if paths.max_depth == u32::MAX {
+        "without limit".to_owned()
+    } else {
+        paths.max_depth.to_string()
+    };
+    line(
+        "paths",
+        format!("longest {depth}, roulette beyond {}", paths.rr_depth),
+    );
+    let (triangles, (nodes, blocks)) = scene.size();
+    line(
+        "geometry",
+        format!(
+            "{} analytic shapes, {} meshes with {triangles} triangles; tree of {nodes} nodes, {blocks} triangle blocks",
+            scene.shapes.len(),
+            scene.meshes.len()
+        ),
+    );
+    for name in &built.emitter_names {
+        line("emitter", format!("{name}: unpolarized"));
+    }
+    if scene.emitters.is_empty() {
+        line("emitter", "none: the image is black".to_owned());
+    }
+    for (material, name) in scene.materials.iter().zip(&built.material_names) {
+        line(
+            "matter",
+            format!("{name}: {}", what_it_does(material.effect())),
+        );
+    }
+    let needs = Needs::of(scene, paths, &built.material_names);
+    line("S0", "other than zero wherever light arrives".to_owned());
+    line("S1, S2", told(&needs.linear));
+    line("S3", told(&needs.circular));
+    if !needs.polarization() {
+        line(
+            "skipped",
+            "Stokes vectors: S0 alone is transported, the rest is zero".to_owned(),
+        );
+    }
+    lines.join("\n") + "\n"
+}
+
+fn told(component: &Component) -> String {
+    let may = if component.possible {
+        "may be other than zero"
+    } else {
+        "zero"
+    };
+    format!("{may}: {}", component.reason)
+}
+
+fn what_it_does(effect: Effect) -> String {
+    let said: Vec<&str> = [
+        (
+            effect.depolarizes && effect.makes_linear,
+            "depolarizes in part",
+        ),
+        (
+            effect.depolarizes && !effect.makes_linear,
+            "depolarizes completely",
+        ),
+        (effect.makes_linear, "polarizes linearly"),
+        (effect.makes_circular, "polarizes circularly"),
+        (effect.retards, "retards"),
+    ]
+    .into_iter()
+    .filter_map(|(holds, words)| holds.then_some(words))
+    .collect();
+    if said.is_empty() {
+        "keeps polarization".to_owned()
+    } else {
+        said.join(", ")
+    }
+}
