@@ -12,6 +12,7 @@
 
 mod assemble;
 mod build;
+mod camera;
 mod defines;
 mod dialect;
 mod document;
