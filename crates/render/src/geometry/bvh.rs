@@ -189,13 +189,13 @@ impl Bvh {
                     let mut near = Vec4::ZERO;
                     let mut far = Vec4::splat(t_max);
                     for axis in 0..3 {
-                        let [low, high] = [1 - side[axis], side[axis]]
-                            .map(|s| (node.bounds[axis][s] - origin[axis]) * inverse[axis]);
+                        let [low, high] = [side[axis] ^ 1, side[axis]]
+                            .map(|s| (node.bounds[axis][s & 1] - origin[axis]) * inverse[axis]);
                         // the accumulator comes second: it survives a NaN (a ray within the plane of a side)
                         near = low.max(near);
-                        far = (high * margin).min(far);
+                        far = high.min(far);
                     }
-                    let hit: BVec4A = near.cmple(far);
+                    let hit: BVec4A = near.cmple(far * margin);
                     let mut mask = hit.bitmask();
                     if mask != 0 {
                         let near = near.to_array();

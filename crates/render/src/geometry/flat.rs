@@ -111,6 +111,8 @@ impl FlatBlock {
     #[inline]
     pub fn intersect(&self, shear: &Shear, t_max: f32) -> Option<BlockHit> {
         let [kx, ky, kz] = shear.axes;
+        // said once, so that the accesses below need no check
+        assert!(kx < 3 && ky < 3 && kz < 3, "axes are x, y, z");
         let [sx, sy, sz] = shear.shear.map(Vec4::splat);
         let (ox, oy, oz) = (
             Vec4::splat(shear.origin[kx]),

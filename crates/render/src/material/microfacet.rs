@@ -208,18 +208,20 @@ fn visible_beckmann_slope(cos: f32, sin: f32, u: f32) -> f32 {
     let cumulative = |b: f32, x: f32| 0.5 * cos * (1.0 + b) + sin * half_root_pi * (-x * x).exp();
     let cot = cos / sin;
     let b_max = 1.0 - (-cot * cot).exp() * scaled_erfc(cot);
-    let target = u * cumulative(b_max, cot);
+    let whole = cumulative(b_max, cot);
+    let (target, tolerance) = (u * whole, 1e-5 * whole);
     let theta = sin.atan2(cos);
     let fit = 1.0 + theta * (-0.876 + theta * (0.4265 - 0.0594 * theta));
     let (mut low, mut high) = (-1.0f32, b_max);
     let mut b = b_max - (1.0 + b_max) * (1.0 - u).powf(fit);
+    let mut x = 0.0;
     for _ in 0..12 {
         if !(b >= low && b <= high) {
             b = 0.5 * (low + high);
         }
-        let x = inverse_erf(b);
+        x = inverse_erf(b);
         let excess = cumulative(b, x) - target;
-        if excess.abs() < 1e-5 * cumulative(b_max, cot) {
+        if excess.abs() < tolerance {
             break;
         }
         if excess > 0.0 {
@@ -229,7 +231,7 @@ fn visible_beckmann_slope(cos: f32, sin: f32, u: f32) -> f32 {
         }
         b -= 2.0 * excess / (cos - x * sin);
     }
-    inverse_erf(b.clamp(low, high))
+    x
 }
 
 /// e^{x²} erfc x for x ≥ 0, absolute error below 1.5e-7 e^{x²}.
