@@ -158,7 +158,7 @@ fn failure(error: ImageError) -> Failure {
     }
 }
 
-/// Where the image goes; refuses endings that cannot be written and folders that do not exist before any work is done.
+/// Where the image goes. Endings that cannot be written are refused, and the folder is made, before any work is done.
 fn output_path(args: &Args) -> Result<PathBuf, Failure> {
     let Some(output) = &args.output else {
         let stem = args.scene.file_stem().unwrap_or(args.scene.as_os_str());
@@ -173,15 +173,13 @@ fn output_path(args: &Args) -> Result<PathBuf, Failure> {
             output.display()
         )));
     }
-    let folder = output
-        .parent()
-        .filter(|p| !p.as_os_str().is_empty())
-        .unwrap_or(Path::new("."));
-    if !folder.is_dir() {
-        return Err(Failure::Usage(format!(
-            "{}: no such folder, expected one to write into",
-            folder.display()
-        )));
+    if let Some(folder) = output.parent() {
+        std::fs::create_dir_all(folder).map_err(|e| {
+            Failure::Work(format!(
+                "{}: the folder for the image cannot be made: {e}",
+                folder.display()
+            ))
+        })?;
     }
     Ok(output.clone())
 }

@@ -1,15 +1,15 @@
 //! The bounding volume hierarchy: obvhs builds the binary tree, which is collapsed to four children a node.
 //!
-//! The only place that knows obvhs. Leaves hold either up to four triangles, tested at once, or one shape of another
-//! kind, which the caller intersects. Boxes are tested with a rounding margin, so that nothing inside is lost.
+//! The only place that knows obvhs. Leaves hold either up to four flat primitives, tested at once, or one shape of
+//! another kind, which the caller intersects. Boxes are tested with a rounding margin, so that nothing inside is lost.
 
 use std::time::Duration;
 
 use glam::{BVec4A, Vec3A, Vec4};
 use obvhs::{BvhBuildParams, aabb::Aabb, bvh2::Bvh2, bvh2::builder::build_bvh2};
 
+use super::flat::{Flat, FlatBlock, Shear};
 use super::ray::{Hit, Ray, gamma};
-use super::triangle::{Shear, TriangleBlock};
 
 /// An axis-aligned box.
 #[derive(Clone, Copy, Debug)]
@@ -48,13 +48,13 @@ impl Bounds {
 #[derive(Clone, Copy, Debug)]
 enum Child {
     Node(u32),
-    Triangles(u32),
+    Flats(u32),
     Shape(u32),
 }
 
 const KIND: u32 = 0xC000_0000;
 const NODE: u32 = 0x0000_0000;
-const TRIANGLES: u32 = 0x4000_0000;
+const FLATS: u32 = 0x4000_0000;
 const SHAPE: u32 = 0x8000_0000;
 
 /// Most primitives that a scene may have.
@@ -69,11 +69,42 @@ struct Node {
     children: [u32; 4],
 }
 
-/// The tree over triangles and other shapes.
+/// What the tree holds.
+#[derive(Clone, Copy, Debug)]
+pub enum Primitive {
+    /// A triangle or a parallelogram.
+    Flat(Flat),
+    /// Something else, known by its box.
+    Other(Bounds),
+}
+
+impl Primitive {
+    fn bounds(&self) -> Bounds {
+        match self {
+            Self::Flat(Flat {
+                corners: [a, b, c],
+                parallelogram,
+            }) => {
+                let bounds =
+                    Bounds::of([*a, *b, *c, if *parallelogram { *b + *c - *a } else { *a }]);
+                // the fourth corner is rounded
+                let reach = bounds.min.abs().max(bounds.max.abs()) * gamma(4);
+                if *parallelogram {
+                    bounds.grown(reach)
+                } else {
+                    bounds
+                }
+            }
+            Self::Other(bounds) => *bounds,
+        }
+    }
+}
+
+/// The tree over all primitives of a scene.
 #[derive(Debug, Default)]
 pub struct Bvh {
     nodes: Vec<Node>,
-    blocks: Vec<TriangleBlock>,
+    blocks: Vec<FlatBlock>,
     depth: usize,
 }
 
@@ -82,12 +113,11 @@ pub struct Bvh {
 pub struct Stack(Vec<(u32, f32)>);
 
 impl Bvh {
-    /// Builds the tree over triangles (by their corners) and shapes (by their boxes), indexed as given.
-    pub fn build(triangles: &[[Vec3A; 3]], shapes: &[Bounds]) -> Self {
-        let boxes: Vec<Aabb> = triangles
+    /// Builds the tree over primitives, which are known by their place in the list.
+    pub fn build(primitives: &[Primitive]) -> Self {
+        let boxes: Vec<Aabb> = primitives
             .iter()
-            .map(|corners| Bounds::of(*corners))
-            .chain(shapes.iter().copied())
+            .map(Primitive::bounds)
             .map(|b| Aabb {
                 min: b.min,
                 max: b.max,
@@ -101,7 +131,7 @@ impl Bvh {
         let binary = build_bvh2(&boxes, parameters, &mut Duration::default());
         let mut collapse = Collapse {
             binary: &binary,
-            triangles,
+            primitives,
             bvh: Self::default(),
         };
         collapse.root();
@@ -113,20 +143,18 @@ impl Bvh {
         Stack(vec![(0, 0.0); 3 * self.depth + 4])
     }
 
-    /// Number of nodes and of triangle blocks.
+    /// Number of nodes and of blocks of flat primitives.
     pub fn size(&self) -> (usize, usize) {
         (self.nodes.len(), self.blocks.len())
     }
 
     /// Visits what the ray may hit, nearest boxes first; `t_max` shrinks with every hit that is reported.
     ///
-    /// `shape(index, t_max)` intersects a shape. With `ANY` the first hit ends the search. Triangles are reported with
-    /// their index, shapes with their index plus `triangle_count`.
+    /// `shape(primitive, t_max)` intersects a primitive that is not flat. With `ANY` the first hit ends the search.
     #[inline]
     pub fn traverse<const ANY: bool>(
         &self,
         ray: &Ray,
-        triangle_count: u32,
         stack: &mut Stack,
         shape: impl Fn(u32, f32) -> Option<(f32, f32, f32)>,
     ) -> Option<Hit> {
@@ -161,13 +189,13 @@ impl Bvh {
                     let mut near = Vec4::ZERO;
                     let mut far = Vec4::splat(t_max);
                     for axis in 0..3 {
-                        let [low, high] = [1 - side[axis], side[axis]]
-                            .map(|s| (node.bounds[axis][s] - origin[axis]) * inverse[axis]);
+                        let [low, high] = [side[axis] ^ 1, side[axis]]
+                            .map(|s| (node.bounds[axis][s & 1] - origin[axis]) * inverse[axis]);
                         // the accumulator comes second: it survives a NaN (a ray within the plane of a side)
                         near = low.max(near);
-                        far = (high * margin).min(far);
+                        far = high.min(far);
                     }
-                    let hit: BVec4A = near.cmple(far);
+                    let hit: BVec4A = near.cmple(far * margin);
                     let mut mask = hit.bitmask();
                     if mask != 0 {
                         let near = near.to_array();
@@ -197,14 +225,14 @@ impl Bvh {
                         continue;
                     }
                 }
-                TRIANGLES => {
+                FLATS => {
                     if let Some(hit) =
                         self.blocks[(current & !KIND) as usize].intersect(&shear, t_max)
                     {
                         t_max = hit.t;
                         best = Some(Hit {
                             t: hit.t,
-                            primitive: hit.triangle,
+                            primitive: hit.primitive,
                             u: hit.u,
                             v: hit.v,
                         });
@@ -219,7 +247,7 @@ impl Bvh {
                         t_max = t;
                         best = Some(Hit {
                             t,
-                            primitive: triangle_count + index,
+                            primitive: index,
                             u,
                             v,
                         });
@@ -228,7 +256,7 @@ impl Bvh {
                         }
                     }
                 }
-                _ => unreachable!("children are nodes, triangles or shapes"),
+                _ => unreachable!("children are nodes, flat primitives or shapes"),
             }
             loop {
                 if pending == 0 {
@@ -248,7 +276,7 @@ impl Bvh {
 /// Turns the binary tree into the four-wide one.
 struct Collapse<'a> {
     binary: &'a Bvh2,
-    triangles: &'a [[Vec3A; 3]],
+    primitives: &'a [Primitive],
     bvh: Bvh,
 }
 
@@ -257,7 +285,7 @@ impl Collapse<'_> {
         let top = self.binary.nodes[0].aabb;
         match self.child(0, 1) {
             // a tree of one leaf still needs a node
-            leaf @ (Child::Triangles(_) | Child::Shape(_)) => {
+            leaf @ (Child::Flats(_) | Child::Shape(_)) => {
                 self.bvh.nodes.push(empty_node());
                 self.place(0, 0, top, leaf);
                 self.bvh.depth = 1;
@@ -269,15 +297,14 @@ impl Collapse<'_> {
     /// What the binary subtree at `node` becomes.
     fn child(&mut self, node: usize, depth: usize) -> Child {
         self.bvh.depth = self.bvh.depth.max(depth);
-        let mut triangles = Vec::with_capacity(4);
-        if self.few_triangles(node, &mut triangles) {
-            self.bvh.blocks.push(TriangleBlock::new(&triangles));
-            return Child::Triangles(self.bvh.blocks.len() as u32 - 1);
+        let mut flats = Vec::with_capacity(4);
+        if self.few_flats(node, &mut flats) {
+            self.bvh.blocks.push(FlatBlock::new(&flats));
+            return Child::Flats(self.bvh.blocks.len() as u32 - 1);
         }
         let n = &self.binary.nodes[node];
         if n.prim_count > 0 {
-            let primitive = self.binary.primitive_indices[n.first_index as usize] as usize;
-            return Child::Shape((primitive - self.triangles.len()) as u32);
+            return Child::Shape(self.binary.primitive_indices[n.first_index as usize]);
         }
         // open the largest box until there are four
         let mut open = vec![n.first_index as usize, n.first_index as usize + 1];
@@ -285,7 +312,7 @@ impl Collapse<'_> {
             let largest = (0..open.len())
                 .filter(|&i| {
                     self.binary.nodes[open[i]].prim_count == 0
-                        && !self.few_triangles(open[i], &mut Vec::new())
+                        && !self.few_flats(open[i], &mut Vec::new())
                 })
                 .max_by(|&i, &j| {
                     let area = |i: usize| self.binary.nodes[open[i]].aabb.half_area();
@@ -305,17 +332,17 @@ impl Collapse<'_> {
         Child::Node(index as u32)
     }
 
-    /// Collects the triangles of a subtree; false if there are more than four or anything else in it.
-    fn few_triangles(&self, node: usize, found: &mut Vec<(u32, [Vec3A; 3])>) -> bool {
+    /// Collects the flat primitives of a subtree; false if there are more than four or anything else in it.
+    fn few_flats(&self, node: usize, found: &mut Vec<(u32, Flat)>) -> bool {
         let n = &self.binary.nodes[node];
         if n.prim_count == 0 {
             let first = n.first_index as usize;
-            return self.few_triangles(first, found) && self.few_triangles(first + 1, found);
+            return self.few_flats(first, found) && self.few_flats(first + 1, found);
         }
-        let primitive = self.binary.primitive_indices[n.first_index as usize] as usize;
-        match self.triangles.get(primitive) {
-            Some(corners) if found.len() < 4 => {
-                found.push((primitive as u32, *corners));
+        let index = self.binary.primitive_indices[n.first_index as usize];
+        match self.primitives[index as usize] {
+            Primitive::Flat(flat) if found.len() < 4 => {
+                found.push((index, flat));
                 true
             }
             _ => false,
@@ -330,7 +357,7 @@ impl Collapse<'_> {
         }
         node.children[lane] = match child {
             Child::Node(i) => NODE | i,
-            Child::Triangles(i) => TRIANGLES | i,
+            Child::Flats(i) => FLATS | i,
             Child::Shape(i) => SHAPE | i,
         };
     }

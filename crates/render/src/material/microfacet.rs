@@ -132,7 +132,7 @@ impl Microfacets {
             Kind::Beckmann if a > 4.0 => 1.0,
             Kind::Beckmann => {
                 // Λ = exp(−a²)/(2a√π) − erfc(a)/2
-                let lambda = (-a * a).exp() / (2.0 * a * PI.sqrt()) - 0.5 * libm::erfcf(a);
+                let lambda = (-a * a).exp() * (0.5 / (a * PI.sqrt()) - 0.5 * scaled_erfc(a));
                 (1.0 + lambda).recip()
             }
             Kind::Ggx => 2.0 / (1.0 + (1.0 + (a * a).recip()).sqrt()),
@@ -207,19 +207,21 @@ fn visible_beckmann_slope(cos: f32, sin: f32, u: f32) -> f32 {
     let half_root_pi = 0.5 * FRAC_1_PI.sqrt();
     let cumulative = |b: f32, x: f32| 0.5 * cos * (1.0 + b) + sin * half_root_pi * (-x * x).exp();
     let cot = cos / sin;
-    let b_max = libm::erff(cot);
-    let target = u * cumulative(b_max, cot);
+    let b_max = 1.0 - (-cot * cot).exp() * scaled_erfc(cot);
+    let whole = cumulative(b_max, cot);
+    let (target, tolerance) = (u * whole, 1e-5 * whole);
     let theta = sin.atan2(cos);
     let fit = 1.0 + theta * (-0.876 + theta * (0.4265 - 0.0594 * theta));
     let (mut low, mut high) = (-1.0f32, b_max);
     let mut b = b_max - (1.0 + b_max) * (1.0 - u).powf(fit);
+    let mut x = 0.0;
     for _ in 0..12 {
         if !(b >= low && b <= high) {
             b = 0.5 * (low + high);
         }
-        let x = inverse_erf(b);
+        x = inverse_erf(b);
         let excess = cumulative(b, x) - target;
-        if excess.abs() < 1e-6 * (cos + sin) {
+        if excess.abs() < tolerance {
             break;
         }
         if excess > 0.0 {
@@ -229,7 +231,17 @@ fn visible_beckmann_slope(cos: f32, sin: f32, u: f32) -> f32 {
         }
         b -= 2.0 * excess / (cos - x * sin);
     }
-    inverse_erf(b.clamp(low, high))
+    x
+}
+
+/// e^{x²} erfc x for x ≥ 0, absolute error below 1.5e-7 e^{x²}.
+///
+/// Source: Abramowitz and Stegun, Handbook of Mathematical Functions, 7.1.26.
+#[inline]
+fn scaled_erfc(x: f32) -> f32 {
+    let t = (1.0 + 0.3275911 * x).recip();
+    t * (0.254829592
+        + t * (-0.284496736 + t * (1.421413741 + t * (-1.453152027 + t * 1.061405429))))
 }
 
 /// Inverse error function, relative error below 5e-7 in single precision; finite at ±1.

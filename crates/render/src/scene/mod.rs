@@ -11,6 +11,7 @@
 //! what nobody has asked for.
 
 mod build;
+mod camera;
 mod defines;
 mod dialect;
 mod document;

@@ -4,7 +4,8 @@ use glam::Vec3A;
 
 use crate::coherence::Coherence;
 use crate::emitter::{Connection, Emitter};
-use crate::geometry::bvh::{Bounds, Bvh, Stack};
+use crate::geometry::bvh::{Bvh, Primitive, Stack};
+use crate::geometry::flat::Flat;
 use crate::geometry::frame::Frame;
 use crate::geometry::ray::{Hit, Ray, offset_origin};
 use crate::material::Material;
@@ -65,16 +66,21 @@ pub struct Encounter {
 impl Scene {
     /// Builds the search tree over all shapes and meshes.
     pub fn index(&mut self) {
-        let mut triangles = Vec::new();
+        let mut primitives = Vec::new();
         self.mesh_of.clear();
         self.first_triangle.clear();
         for (index, mesh) in self.meshes.iter().enumerate() {
-            self.first_triangle.push(triangles.len() as u32);
-            triangles.extend((0..mesh.len()).map(|t| mesh.corners(t)));
-            self.mesh_of.resize(triangles.len(), index as u32);
+            self.first_triangle.push(primitives.len() as u32);
+            primitives.extend((0..mesh.len()).map(|t| {
+                Primitive::Flat(Flat {
+                    corners: mesh.corners(t),
+                    parallelogram: false,
+                })
+            }));
+            self.mesh_of.resize(primitives.len(), index as u32);
         }
-        let boxes: Vec<Bounds> = self.shapes.iter().map(Shape::bounds).collect();
-        self.bvh = Bvh::build(&triangles, &boxes);
+        primitives.extend(self.shapes.iter().map(Shape::primitive));
+        self.bvh = Bvh::build(&primitives);
     }
 
     /// Number of triangles, and of nodes and leaf blocks of the search tree.
@@ -89,10 +95,10 @@ impl Scene {
 
     #[inline]
     fn trace<const ANY: bool>(&self, ray: &Ray, stack: &mut Stack) -> Option<Hit> {
-        self.bvh
-            .traverse::<ANY>(ray, self.mesh_of.len() as u32, stack, |shape, t_max| {
-                self.shapes[shape as usize].intersect(ray, t_max)
-            })
+        let triangles = self.mesh_of.len();
+        self.bvh.traverse::<ANY>(ray, stack, |primitive, t_max| {
+            self.shapes[primitive as usize - triangles].intersect(ray, t_max)
+        })
     }
 
     /// The nearest surface along a ray.

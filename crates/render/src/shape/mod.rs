@@ -9,7 +9,7 @@ pub mod sphere;
 
 use glam::{DMat4, DVec3, Vec3A};
 
-use crate::geometry::bvh::Bounds;
+use crate::geometry::bvh::{Bounds, Primitive};
 use crate::geometry::frame::Frame;
 use crate::geometry::ray::Ray;
 
@@ -66,11 +66,20 @@ impl Shape {
         }
     }
 
+    /// What the search tree knows of it: the whole of a rectangle, the box of any other shape.
+    pub fn primitive(&self) -> Primitive {
+        match self {
+            Self::Rectangle(s) => Primitive::Flat(s.flat()),
+            _ => Primitive::Other(self.bounds()),
+        }
+    }
+
     /// The nearest hit with `0 < t < t_max`: distance and two parameters for [`Shape::surface`].
     #[inline]
     pub fn intersect(&self, ray: &Ray, t_max: f32) -> Option<(f32, f32, f32)> {
         match self {
-            Self::Rectangle(s) => s.intersect(ray, t_max),
+            // found by the search tree itself
+            Self::Rectangle(_) => None,
             Self::Sphere(s) => s.intersect(ray, t_max),
             Self::Disk(s) => s.intersect(ray, t_max),
             Self::Cylinder(s) => s.intersect(ray, t_max),

@@ -1,11 +1,11 @@
-//! Watertight intersection of a ray with four triangles at once.
+//! Watertight intersection of a ray with four flat primitives at once: triangles and parallelograms.
 //!
 //! Source: Woop, Benthin, Wald, Watertight Ray/Triangle Intersection, JCGT 2(1), 2013. Vertices are sheared into a
 //! frame in which the ray is the z axis; a shared edge gives numbers that are each other's exact negatives in both
 //! triangles, so that no ray slips between them. Portable lanes (`Vec4`), no fused multiply-adds: these would break
 //! the symmetry.
 
-use glam::{Vec3A, Vec4};
+use glam::{BVec4A, Vec3A, Vec4};
 
 use super::ray::Ray;
 
@@ -43,49 +43,67 @@ impl Shear {
     }
 }
 
-/// Up to four triangles, corner by corner and axis by axis; unused lanes hold points at infinity that nothing hits.
+/// A triangle, or the parallelogram of which three corners are given (the fourth is `b + c − a`).
 #[derive(Clone, Copy, Debug)]
-pub struct TriangleBlock {
-    corners: [[Vec4; 3]; 3],
-    /// Index of each triangle in the scene.
-    pub triangles: [u32; 4],
+pub struct Flat {
+    /// Corners a, b, c.
+    pub corners: [Vec3A; 3],
+    /// Whether it goes on to the fourth corner.
+    pub parallelogram: bool,
 }
 
-/// A hit on one of four triangles.
+/// Up to four flat primitives, corner by corner and axis by axis; unused lanes have no area, so that nothing hits them.
+#[derive(Clone, Copy, Debug)]
+pub struct FlatBlock {
+    corners: [[Vec4; 3]; 3],
+    /// Lanes that are parallelograms.
+    parallelograms: BVec4A,
+    /// Index of each in the scene.
+    indices: [u32; 4],
+}
+
+/// A hit on one of the four.
 #[derive(Clone, Copy, Debug)]
 pub struct BlockHit {
     /// Position along the ray.
     pub t: f32,
-    /// Index of the triangle in the scene.
-    pub triangle: u32,
+    /// Index of the primitive in the scene.
+    pub primitive: u32,
     /// Weight of the second corner.
     pub u: f32,
     /// Weight of the third corner.
     pub v: f32,
 }
 
-impl TriangleBlock {
-    /// Packs at most four triangles given as (index, corners).
-    pub fn new(triangles: &[(u32, [Vec3A; 3])]) -> Self {
-        debug_assert!(!triangles.is_empty() && triangles.len() <= 4);
+impl FlatBlock {
+    /// Packs at most four primitives given with their index.
+    pub fn new(flats: &[(u32, Flat)]) -> Self {
+        debug_assert!(!flats.is_empty() && flats.len() <= 4);
         let mut corners = [[Vec4::ZERO; 3]; 3];
         let mut indices = [u32::MAX; 4];
+        let mut parallelograms = [false; 4];
         for lane in 0..4 {
-            // an unused lane repeats one corner: a triangle of no area, which no ray hits
-            let (index, points) = triangles
-                .get(lane)
-                .copied()
-                .unwrap_or((u32::MAX, [triangles[0].1[0]; 3]));
+            // an unused lane repeats one corner
+            let unused = (
+                u32::MAX,
+                Flat {
+                    corners: [flats[0].1.corners[0]; 3],
+                    parallelogram: false,
+                },
+            );
+            let (index, flat) = flats.get(lane).copied().unwrap_or(unused);
             indices[lane] = index;
+            parallelograms[lane] = flat.parallelogram;
             for corner in 0..3 {
                 for axis in 0..3 {
-                    corners[corner][axis][lane] = points[corner][axis];
+                    corners[corner][axis][lane] = flat.corners[corner][axis];
                 }
             }
         }
         Self {
             corners,
-            triangles: indices,
+            parallelograms: BVec4A::from_array(parallelograms),
+            indices,
         }
     }
 
@@ -93,6 +111,8 @@ impl TriangleBlock {
     #[inline]
     pub fn intersect(&self, shear: &Shear, t_max: f32) -> Option<BlockHit> {
         let [kx, ky, kz] = shear.axes;
+        // said once, so that the accesses below need no check
+        assert!(kx < 3 && ky < 3 && kz < 3, "axes are x, y, z");
         let [sx, sy, sz] = shear.shear.map(Vec4::splat);
         let (ox, oy, oz) = (
             Vec4::splat(shear.origin[kx]),
@@ -109,11 +129,14 @@ impl TriangleBlock {
         let u = cx * by - cy * bx;
         let v = ax * cy - ay * cx;
         let w = bx * ay - by * ax;
-        let lowest = u.min(v).min(w);
-        let highest = u.max(v).max(w);
         let zero = Vec4::ZERO;
         let det = u + v + w;
-        // inside: no two of the three have opposite signs; zeros count as inside of both neighbours
+        // a triangle ends where one of the three changes sign, a parallelogram where v or w leaves 0 … det;
+        // zeros count as inside of both neighbours
+        let third = Vec4::select(self.parallelograms, (det - v).min(det - w), u);
+        let other = Vec4::select(self.parallelograms, (det - v).max(det - w), u);
+        let lowest = third.min(v).min(w);
+        let highest = other.max(v).max(w);
         let inside = (lowest.cmpge(zero) | highest.cmple(zero)) & det.cmpne(zero);
         if !inside.any() {
             return None;
@@ -137,7 +160,7 @@ impl TriangleBlock {
         }
         Some(BlockHit {
             t: t[lane],
-            triangle: self.triangles[lane],
+            primitive: self.indices[lane],
             u: (v * inverse)[lane],
             v: (w * inverse)[lane],
         })
@@ -156,15 +179,57 @@ mod tests {
         }
     }
 
+    fn triangle(corners: [Vec3A; 3]) -> Flat {
+        Flat {
+            corners,
+            parallelogram: false,
+        }
+    }
+
+    #[test]
+    fn a_parallelogram_is_its_two_triangles() {
+        let (a, b, c) = (
+            Vec3A::new(-1.0, -0.5, 0.0),
+            Vec3A::new(1.2, -0.3, 0.4),
+            Vec3A::new(-0.7, 0.9, -0.1),
+        );
+        let whole = FlatBlock::new(&[(
+            0,
+            Flat {
+                corners: [a, b, c],
+                parallelogram: true,
+            },
+        )]);
+        let halves = FlatBlock::new(&[(0, triangle([a, b, c])), (0, triangle([b, b + c - a, c]))]);
+        let origin = Vec3A::new(0.3, 0.2, 3.0);
+        let mut hits = 0;
+        for i in 0..200 {
+            for j in 0..200 {
+                let target = Vec3A::new(-2.0 + 0.0217 * i as f32, -2.0 + 0.0213 * j as f32, 0.0);
+                let r = ray(origin, target - origin);
+                let [one, two] =
+                    [&whole, &halves].map(|b| b.intersect(&Shear::new(&r), f32::INFINITY));
+                assert_eq!(one.is_some(), two.is_some(), "{target}");
+                if let (Some(one), Some(two)) = (one, two) {
+                    hits += 1;
+                    assert!((one.t - two.t).abs() < 1e-5);
+                    let p = a + (b - a) * one.u + (c - a) * one.v;
+                    assert!((origin + r.direction * one.t - p).length() < 1e-5);
+                }
+            }
+        }
+        assert!(hits > 1000, "{hits}");
+    }
+
     #[test]
     fn a_hit_gives_distance_and_barycentric_weights() {
         let corners = [Vec3A::ZERO, Vec3A::X * 2.0, Vec3A::Y * 4.0];
-        let block = TriangleBlock::new(&[(7, corners)]);
+        let block = FlatBlock::new(&[(7, triangle(corners))]);
         let r = ray(Vec3A::new(0.5, 1.0, 3.0), Vec3A::NEG_Z);
         let hit = block
             .intersect(&Shear::new(&r), f32::INFINITY)
             .expect("the ray points at the triangle");
-        assert_eq!((hit.t, hit.triangle, hit.u, hit.v), (3.0, 7, 0.25, 0.25));
+        assert_eq!((hit.t, hit.primitive, hit.u, hit.v), (3.0, 7, 0.25, 0.25));
         assert!(block.intersect(&Shear::new(&r), 2.9).is_none());
         let behind = ray(Vec3A::new(0.5, 1.0, -3.0), Vec3A::NEG_Z);
         assert!(
@@ -182,7 +247,7 @@ mod tests {
             Vec3A::new(0.9, 1.1, -0.2),
             Vec3A::new(-1.2, 0.8, 0.05),
         );
-        let block = TriangleBlock::new(&[(0, [a, b, c]), (1, [a, c, d])]);
+        let block = FlatBlock::new(&[(0, triangle([a, b, c])), (1, triangle([a, c, d]))]);
         let origin = Vec3A::new(0.2, 0.1, 5.0);
         for i in 0..20_000 {
             // aimed exactly at the shared edge a–c
