@@ -17,7 +17,15 @@ fn times(m: [Four; 4], s: Four) -> Four {
 /// Stokes vectors in a frame that is turned by `t` radians counter-clockwise, as the observer sees it.
 fn turned(t: f64, s: Four) -> Four {
     let (sin, cos) = (2.0 * t).sin_cos();
-    times([[1., 0., 0., 0.], [0., cos, sin, 0.], [0., -sin, cos, 0.], [0., 0., 0., 1.]], s)
+    times(
+        [
+            [1., 0., 0., 0.],
+            [0., cos, sin, 0.],
+            [0., -sin, cos, 0.],
+            [0., 0., 0., 1.],
+        ],
+        s,
+    )
 }
 
 /// Behind an ideal polarizer that transmits along the angle `t` from the image's right, counter-clockwise.
@@ -29,7 +37,12 @@ fn polarizer(t: f64, s: Four) -> Four {
 /// Behind a retarder with its fast axis at the angle `t`; `delta` is the lead of the fast axis, radians.
 fn retarder(t: f64, delta: f64, s: Four) -> Four {
     let (sin, cos) = delta.sin_cos();
-    let lead = [[1., 0., 0., 0.], [0., 1., 0., 0.], [0., 0., cos, sin], [0., 0., -sin, cos]];
+    let lead = [
+        [1., 0., 0., 0.],
+        [0., 1., 0., 0.],
+        [0., 0., cos, sin],
+        [0., 0., -sin, cos],
+    ];
     turned(-t, times(lead, turned(t, s)))
 }
 
@@ -47,7 +60,9 @@ fn degrees(angle: f64) -> f64 {
 
 /// A rectangle with matter, placed by the given transform elements.
 fn plate(bsdf: &str, placement: &str) -> String {
-    format!("<shape type='rectangle'><transform name='to_world'>{placement}</transform>{bsdf}</shape>")
+    format!(
+        "<shape type='rectangle'><transform name='to_world'>{placement}</transform>{bsdf}</shape>"
+    )
 }
 
 fn polarizer_xml(theta: f64) -> String {
@@ -62,7 +77,11 @@ const SURROUNDINGS: &str = "<emitter type='constant'><float name='radiance' valu
 
 #[test]
 fn a_glass_sphere_in_uniform_light_is_invisible() {
-    let image = Shot { size: Some([48, 48]), ..Shot::new(64) }.of_scene("furnace_sphere");
+    let image = Shot {
+        size: Some([48, 48]),
+        ..Shot::new(64)
+    }
+    .of_scene("furnace_sphere");
     // 64 bounces: what is cut off is below 1e-9
     assert_stokes("whole image", mean(&image, 0), LAMP, ROUND_OFF);
     for y in 0..48 {
@@ -92,7 +111,11 @@ fn reflectances(n: f64, angle: f64) -> (f64, f64) {
 #[test]
 fn a_glass_sphere_reflects_tangentially_polarized_light_by_fresnels_formulas() {
     const SIZE: usize = 64;
-    let image = Shot { size: Some([SIZE as u32; 2]), ..Shot::new(256) }.of_scene("fresnel_sphere");
+    let image = Shot {
+        size: Some([SIZE as u32; 2]),
+        ..Shot::new(256)
+    }
+    .of_scene("fresnel_sphere");
     // by ring of equal distance from the centre: sums over pixels of mean and variance
     const RINGS: usize = 10;
     let mut found = [[[0.0; 4]; 2]; RINGS];
@@ -104,7 +127,9 @@ fn a_glass_sphere_reflects_tangentially_polarized_light_by_fresnels_formulas() {
             let (s, error) = pixel(&image, x, y, 0);
             let (mut radial, mut inside) = ([0.0; 4], 0);
             const FINE: usize = 16;
-            let at = |i: usize, k: usize| ((i as f64 + (k as f64 + 0.5) / FINE as f64) / SIZE as f64 * 2.0 - 1.0) * half;
+            let at = |i: usize, k: usize| {
+                ((i as f64 + (k as f64 + 0.5) / FINE as f64) / SIZE as f64 * 2.0 - 1.0) * half
+            };
             for k in 0..FINE * FINE {
                 let (right, up) = (at(x, k % FINE), -at(y, k / FINE));
                 // the camera at distance 4 from the centre of the unit sphere looks along (right, up, -1)
@@ -131,15 +156,22 @@ fn a_glass_sphere_reflects_tangentially_polarized_light_by_fresnels_formulas() {
                 continue;
             }
             assert_eq!(s[3], 0.0, "no circular light at {x}, {y}");
-            let distance = (x as f64 + 0.5 - SIZE as f64 / 2.0).hypot(y as f64 + 0.5 - SIZE as f64 / 2.0);
+            let distance =
+                (x as f64 + 0.5 - SIZE as f64 / 2.0).hypot(y as f64 + 0.5 - SIZE as f64 / 2.0);
             let ring = (distance / (SIZE as f64 / 2.0) * RINGS as f64) as usize;
-            let angle = -2.0 * (SIZE as f64 / 2.0 - y as f64 - 0.5).atan2(x as f64 + 0.5 - SIZE as f64 / 2.0);
+            let angle = -2.0
+                * (SIZE as f64 / 2.0 - y as f64 - 0.5).atan2(x as f64 + 0.5 - SIZE as f64 / 2.0);
             let turn = |s: Four| turned(-0.5 * angle, s);
             let (turned_s, turned_e) = (turn(s), turn(radial));
             // variances of S1 and S2 mix when the frame turns
             let (c, sn) = (angle.cos().powi(2), angle.sin().powi(2));
             let v = error.map(|e| e * e);
-            let variance = [v[0], 2.0 * (c * v[1] + sn * v[2]), 2.0 * (sn * v[1] + c * v[2]), 0.0];
+            let variance = [
+                v[0],
+                2.0 * (c * v[1] + sn * v[2]),
+                2.0 * (sn * v[1] + c * v[2]),
+                0.0,
+            ];
             for k in 0..4 {
                 found[ring][0][k] += turned_s[k];
                 found[ring][1][k] += variance[k];
@@ -152,8 +184,16 @@ fn a_glass_sphere_reflects_tangentially_polarized_light_by_fresnels_formulas() {
         let n = count[ring];
         let means = found[ring][0].map(|v| v / n);
         let errors = found[ring][1].map(|v| v.sqrt() / n);
-        assert_stokes(&format!("ring {ring}"), (means, errors), expected[ring].map(|v| v / n), ROUND_OFF);
-        assert!(means[1] < 0.0 || ring == 0, "tangential light is negative in the radial frame");
+        assert_stokes(
+            &format!("ring {ring}"),
+            (means, errors),
+            expected[ring].map(|v| v / n),
+            ROUND_OFF,
+        );
+        assert!(
+            means[1] < 0.0 || ring == 0,
+            "tangential light is negative in the radial frame"
+        );
     }
 }
 
@@ -188,14 +228,23 @@ fn cells() -> [Four; 12] {
 
 #[test]
 fn every_cell_of_the_polarizer_stack_follows_mueller_calculus() {
-    let image = Shot { size: Some([256, 192]), ..Shot::new(2) }.of_scene("polarizer_stack");
+    let image = Shot {
+        size: Some([256, 192]),
+        ..Shot::new(2)
+    }
+    .of_scene("polarizer_stack");
     for (cell, expected) in cells().into_iter().enumerate() {
         // cells are 1.05 apart on a film 4.33 wide
         let scale = 256.0 / (2.0 * 5000.0 * degrees(0.0248).tan());
         let x = 128.0 + ((cell % 4) as f64 - 1.5) * 1.05 * scale;
         let y = 96.0 + ((cell / 4) as f64 - 1.0) * 1.05 * scale;
         for (dx, dy) in [(0.0, 0.0), (0.3, 0.3), (-0.3, 0.2), (0.1, -0.3)] {
-            let (s, error) = pixel(&image, (x + dx * scale) as usize, (y + dy * scale) as usize, 0);
+            let (s, error) = pixel(
+                &image,
+                (x + dx * scale) as usize,
+                (y + dy * scale) as usize,
+                0,
+            );
             // the far camera sees the cells under up to 4e-4 rad, which turns projected axes by as much at most
             assert_stokes(&format!("cell {cell}"), (s, error), expected, 4e-4);
         }
@@ -206,25 +255,47 @@ fn every_cell_of_the_polarizer_stack_follows_mueller_calculus() {
 fn light_reflected_at_brewsters_angle_is_purely_s_polarized() {
     let (r_s, _) = reflectances(1.5, degrees(56.309932474));
     assert!((0.5 * r_s - 0.0739645).abs() < 1e-7);
-    let absorber = plate("<bsdf type='diffuse'><float name='reflectance' value='0'/></bsdf>", "<scale value='9'/><translate z='-0.1'/>");
-    let glass = plate("<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>", "<scale value='9'/>");
+    let absorber = plate(
+        "<bsdf type='diffuse'><float name='reflectance' value='0'/></bsdf>",
+        "<scale value='9'/><translate z='-0.1'/>",
+    );
+    let glass = plate(
+        "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>",
+        "<scale value='9'/>",
+    );
     let (sin, cos) = degrees(56.309932474).sin_cos();
-    for (roll, first, second) in [(0.0, 1.0, 0.0), (45.0, 0.0, 1.0), (-45.0, 0.0, -1.0), (90.0, -1.0, 0.0)] {
+    for (roll, first, second) in [
+        (0.0, 1.0, 0.0),
+        (45.0, 0.0, 1.0),
+        (-45.0, 0.0, -1.0),
+        (90.0, -1.0, 0.0),
+    ] {
         // the camera rolls: its up vector turns from the plane of incidence towards image right, which is world y
         let (s, c) = degrees(roll).sin_cos();
         let up = [-c * cos, s, c * sin];
         let text = scene(
             2,
-            &format!("origin='{}, 0, {}' target='0, 0, 0' up='{}, {}, {}'", sin, cos, up[0], up[1], up[2]),
+            &format!(
+                "origin='{}, 0, {}' target='0, 0, 0' up='{}, {}, {}'",
+                sin, cos, up[0], up[1], up[2]
+            ),
             0.01,
             &format!("{SURROUNDINGS}{glass}{absorber}"),
         );
         let image = Shot::new(100_000).of_text(&text);
         let (found, error) = pixel(&image, 0, 0, 0);
         let i = 0.0739645;
-        assert_stokes(&format!("roll {roll}"), (found, error), [i, i * first, i * second, 0.0], 2e-6);
+        assert_stokes(
+            &format!("roll {roll}"),
+            (found, error),
+            [i, i * first, i * second, 0.0],
+            2e-6,
+        );
         // each sample by itself is fully polarized; the pixel spans 0.01 degrees of roll and angle
-        assert!((found[1].hypot(found[2]) / found[0] - 1.0).abs() < 1e-5, "degree of polarization {found:?}");
+        assert!(
+            (found[1].hypot(found[2]) / found[0] - 1.0).abs() < 1e-5,
+            "degree of polarization {found:?}"
+        );
     }
 }
 
@@ -234,7 +305,10 @@ fn mirror_scene(surface: &str, angle: f64, side: f64, theta: Option<f64>) -> Str
     let (sin, cos) = degrees(angle).sin_cos();
     let source = |distance: f64| format!("{}, 0, {}", -distance * sin, side * distance * cos);
     let placed = |distance: f64, size: f64, up: &str| {
-        format!("<scale value='{size}'/><lookat origin='{}' target='0, 0, 0' up='{up}'/>", source(distance))
+        format!(
+            "<scale value='{size}'/><lookat origin='{}' target='0, 0, 0' up='{up}'/>",
+            source(distance)
+        )
     };
     let filter = theta.map(|theta| {
         // local x of the plate is the s axis, world y; lookat puts it there by an up vector in the plane of incidence
@@ -244,15 +318,36 @@ fn mirror_scene(surface: &str, angle: f64, side: f64, theta: Option<f64>) -> Str
         "<shape type='rectangle'><transform name='to_world'>{}</transform><emitter type='area'><float name='radiance' value='1'/></emitter></shape>",
         placed(12.0, 8.0, "0, 0, 1")
     );
-    let camera = format!("origin='{}, 0, {}' target='0, 0, 0' up='0, 0, {side}'", 10.0 * sin, side * 10.0 * cos);
-    scene(8, &camera, 0.001, &format!("{}{lamp}{}", plate(surface, "<scale value='3'/>"), filter.unwrap_or_default()))
+    let camera = format!(
+        "origin='{}, 0, {}' target='0, 0, 0' up='0, 0, {side}'",
+        10.0 * sin,
+        side * 10.0 * cos
+    );
+    scene(
+        8,
+        &camera,
+        0.001,
+        &format!(
+            "{}{lamp}{}",
+            plate(surface, "<scale value='3'/>"),
+            filter.unwrap_or_default()
+        ),
+    )
 }
 
 /// Stokes vectors behind a mirror in the frame whose first axis is perpendicular to the plane of incidence.
 ///
 /// `cos` and `sin` are the elements (2,2) and (3,2) of the Mueller matrix: C cos δ and C sin δ.
 fn mirrored([mean, difference, cos, sin]: Four, s: Four) -> Four {
-    times([[mean, difference, 0., 0.], [difference, mean, 0., 0.], [0., 0., cos, -sin], [0., 0., sin, cos]], s)
+    times(
+        [
+            [mean, difference, 0., 0.],
+            [difference, mean, 0., 0.],
+            [0., 0., cos, -sin],
+            [0., 0., sin, cos],
+        ],
+        s,
+    )
 }
 
 /// Elements of a metal mirror of index eta - i k by Fresnel's formulas in their real form: mean, difference, C cos δ and
@@ -279,18 +374,48 @@ fn metal(eta: f64, k: f64, angle: f64) -> Four {
 #[test]
 fn a_metal_mirror_changes_diagonal_light_into_elliptic_light() {
     let m = metal(0.2, 3.2, degrees(60.0));
-    assert!((m[2] + 0.61204).abs() < 5e-6 && (m[3].abs() - 0.69362).abs() < 5e-6, "{m:?}");
+    assert!(
+        (m[2] + 0.61204).abs() < 5e-6 && (m[3].abs() - 0.69362).abs() < 5e-6,
+        "{m:?}"
+    );
     let silver = "<bsdf type='conductor'><spectrum name='eta' value='0.2'/><spectrum name='k' value='3.2'/></bsdf>";
     let shot = Shot::new(16);
-    let see = |theta| pixel(&shot.of_text(&mirror_scene(silver, 60.0, 1.0, theta)), 0, 0, 0);
-    assert_stokes("unpolarized light", see(None), [0.92592, 0.0404, 0.0, 0.0], 1e-5);
+    let see = |theta| {
+        pixel(
+            &shot.of_text(&mirror_scene(silver, 60.0, 1.0, theta)),
+            0,
+            0,
+            0,
+        )
+    };
+    assert_stokes(
+        "unpolarized light",
+        see(None),
+        [0.92592, 0.0404, 0.0, 0.0],
+        1e-5,
+    );
     // the polarizer faces the mirror: its axis (cos 45, -sin 45) is S2 < 0 for who looks at the lamp
-    assert_stokes("light at -45 degrees", see(Some(45.0)), [0.46296, 0.0202, 0.30602, -0.34681], 1e-5);
-    assert_stokes("light at +45 degrees", see(Some(-45.0)), [0.46296, 0.0202, -0.30602, 0.34681], 1e-5);
+    assert_stokes(
+        "light at -45 degrees",
+        see(Some(45.0)),
+        [0.46296, 0.0202, 0.30602, -0.34681],
+        1e-5,
+    );
+    assert_stokes(
+        "light at +45 degrees",
+        see(Some(-45.0)),
+        [0.46296, 0.0202, -0.30602, 0.34681],
+        1e-5,
+    );
     // and by the formulas, along the axes and in between
     for theta in [0.0, 20.0, 45.0, 80.0, 90.0, 130.0] {
         let lit = polarizer(degrees(-theta), LAMP);
-        assert_stokes(&format!("light at {theta} degrees"), see(Some(theta)), mirrored(m, lit), 1e-5);
+        assert_stokes(
+            &format!("light at {theta} degrees"),
+            see(Some(theta)),
+            mirrored(m, lit),
+            1e-5,
+        );
     }
 }
 
@@ -302,18 +427,41 @@ fn total_internal_reflection_retards() {
     for theta in [-45.0, 0.0, 30.0, 45.0] {
         let lit = polarizer(degrees(-theta), LAMP);
         // all light is reflected: no noise
-        let found = pixel(&shot.of_text(&mirror_scene(glass, 54.6, -1.0, Some(theta))), 0, 0, 0);
-        assert_stokes(&format!("light at {theta} degrees"), found, mirrored([1.0, 0.0, cos, sin], lit), 1e-5);
+        let found = pixel(
+            &shot.of_text(&mirror_scene(glass, 54.6, -1.0, Some(theta))),
+            0,
+            0,
+            0,
+        );
+        assert_stokes(
+            &format!("light at {theta} degrees"),
+            found,
+            mirrored([1.0, 0.0, cos, sin], lit),
+            1e-5,
+        );
     }
 }
 
 #[test]
 fn the_stokes_frame_turns_with_the_camera() {
-    let content = format!("{LAMP_XML}{}", plate(&polarizer_xml(0.0), "<scale value='5'/>"));
+    let content = format!(
+        "{LAMP_XML}{}",
+        plate(&polarizer_xml(0.0), "<scale value='5'/>")
+    );
     let (sin, cos) = degrees(30.0).sin_cos();
-    let text = scene(8, &format!("origin='0, 0, 10' target='0, 0, 0' up='{}, {cos}, 0'", -sin), 0.01, &content);
+    let text = scene(
+        8,
+        &format!("origin='0, 0, 10' target='0, 0, 0' up='{}, {cos}, 0'", -sin),
+        0.01,
+        &content,
+    );
     let found = pixel(&Shot::new(4).of_text(&text), 0, 0, 0);
-    assert_stokes("roll 30", found, [0.5, 0.25, -(3f64.sqrt()) / 4.0, 0.0], ROUND_OFF);
+    assert_stokes(
+        "roll 30",
+        found,
+        [0.5, 0.25, -(3f64.sqrt()) / 4.0, 0.0],
+        ROUND_OFF,
+    );
 }
 
 #[test]
@@ -322,28 +470,58 @@ fn the_back_of_a_two_sided_metal_looks_like_its_front_however_it_is_turned() {
     let m = metal(0.2, 3.2, degrees(60.0));
     // a camera that is rolled against the plane of incidence, y = 0: the s axis in its frame
     let (d, up) = ([-sin, 0.0, -cos], [0.3, 0.5, 1.0]);
-    let across = [d[1] * up[2] - d[2] * up[1], d[2] * up[0] - d[0] * up[2], d[0] * up[1] - d[1] * up[0]];
+    let across = [
+        d[1] * up[2] - d[2] * up[1],
+        d[2] * up[0] - d[0] * up[2],
+        d[0] * up[1] - d[1] * up[0],
+    ];
     let length = across.iter().map(|v| v * v).sum::<f64>().sqrt();
     let e_x = across.map(|v| v / length);
     let k = d.map(|v| -v);
-    let e_y = [k[1] * e_x[2] - k[2] * e_x[1], k[2] * e_x[0] - k[0] * e_x[2], k[0] * e_x[1] - k[1] * e_x[0]];
+    let e_y = [
+        k[1] * e_x[2] - k[2] * e_x[1],
+        k[2] * e_x[0] - k[0] * e_x[2],
+        k[0] * e_x[1] - k[1] * e_x[0],
+    ];
     let expected = turned(-e_y[1].atan2(e_x[1]), [m[0], m[1], 0.0, 0.0]);
     for rough in [false, true] {
-        let bsdf = if rough { "<bsdf type='roughconductor'><float name='alpha' value='0.001'/>" } else { "<bsdf type='conductor'>" };
-        let bsdf = format!("<bsdf type='twosided'>{bsdf}<spectrum name='eta' value='0.2'/><spectrum name='k' value='3.2'/></bsdf></bsdf>");
+        let bsdf = if rough {
+            "<bsdf type='roughconductor'><float name='alpha' value='0.001'/>"
+        } else {
+            "<bsdf type='conductor'>"
+        };
+        let bsdf = format!(
+            "<bsdf type='twosided'>{bsdf}<spectrum name='eta' value='0.2'/><spectrum name='k' value='3.2'/></bsdf></bsdf>"
+        );
         for azimuth in [0.0, 25.0, 45.0, 70.0] {
             for back in [0.0, 180.0] {
-                let placement = format!("<scale value='3'/><rotate x='1' angle='{back}'/><rotate z='1' angle='{azimuth}'/>");
+                let placement = format!(
+                    "<scale value='3'/><rotate x='1' angle='{back}'/><rotate z='1' angle='{azimuth}'/>"
+                );
                 let text = scene(
                     2,
-                    &format!("origin='{}, 0, {}' target='0, 0, 0' up='0.3, 0.5, 1'", 10.0 * sin, 10.0 * cos),
+                    &format!(
+                        "origin='{}, 0, {}' target='0, 0, 0' up='0.3, 0.5, 1'",
+                        10.0 * sin,
+                        10.0 * cos
+                    ),
                     0.01,
                     &format!("{SURROUNDINGS}{}", plate(&bsdf, &placement)),
                 );
-                let found = pixel(&Shot::new(if rough { 256 } else { 4 }).of_text(&text), 0, 0, 0);
+                let found = pixel(
+                    &Shot::new(if rough { 256 } else { 4 }).of_text(&text),
+                    0,
+                    0,
+                    0,
+                );
                 // facets 0.001 steep spread the angle of incidence
                 let tolerance = if rough { 2e-4 } else { 1e-5 };
-                assert_stokes(&format!("rough {rough}, azimuth {azimuth}, turned by {back}"), found, expected, tolerance);
+                assert_stokes(
+                    &format!("rough {rough}, azimuth {azimuth}, turned by {back}"),
+                    found,
+                    expected,
+                    tolerance,
+                );
             }
         }
     }
@@ -352,7 +530,13 @@ fn the_back_of_a_two_sided_metal_looks_like_its_front_however_it_is_turned() {
 /// The tilted retarder that `a_tilted_retarder_has_no_seam` looks through: fast axis at `theta` from axis U, projected
 /// across each ray; retardance by the cosine.
 fn behind_tilted_retarder(right: f64, up: f64, tilt: f64, theta: f64) -> Four {
-    let cross = |a: [f64; 3], b: [f64; 3]| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+    let cross = |a: [f64; 3], b: [f64; 3]| {
+        [
+            a[1] * b[2] - a[2] * b[1],
+            a[2] * b[0] - a[0] * b[2],
+            a[0] * b[1] - a[1] * b[0],
+        ]
+    };
     let dot = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let unit = |a: [f64; 3]| a.map(|v| v / dot(a, a).sqrt());
     let k = unit([-right, -up, 1.0]);
@@ -384,22 +568,42 @@ fn a_tilted_retarder_has_no_seam() {
         plate(&polarizer_xml(30.0), "<scale value='60'/>"),
         plate(
             "<bsdf type='retarder'><float name='theta' value='20'/><float name='delta' value='90'/></bsdf>",
-            &format!("<scale value='60'/><rotate x='0.7071067811865476' y='0.7071067811865476' angle='{tilt}'/><translate z='7'/>")
+            &format!(
+                "<scale value='60'/><rotate x='0.7071067811865476' y='0.7071067811865476' angle='{tilt}'/><translate z='7'/>"
+            )
         )
     );
-    let text = film_scene(8, "origin='0, 0, 10' target='0, 0, 0' up='0, 1, 0'", 60.0, [SIZE as u32; 2], &content);
+    let text = film_scene(
+        8,
+        "origin='0, 0, 10' target='0, 0, 0' up='0, 1, 0'",
+        60.0,
+        [SIZE as u32; 2],
+        &content,
+    );
     let image = Shot::new(256).of_text(&text);
     let half = degrees(30.0).tan();
     for y in 0..SIZE {
         for x in 0..SIZE {
-            let at = |i: usize, k: usize| ((i as f64 + (k as f64 + 0.5) / 4.0) / SIZE as f64 * 2.0 - 1.0) * half;
+            let at = |i: usize, k: usize| {
+                ((i as f64 + (k as f64 + 0.5) / 4.0) / SIZE as f64 * 2.0 - 1.0) * half
+            };
             let mut expected = [0.0; 4];
             for k in 0..16 {
-                let s = behind_tilted_retarder(at(x, k % 4), -at(y, k / 4), degrees(tilt), degrees(20.0));
+                let s = behind_tilted_retarder(
+                    at(x, k % 4),
+                    -at(y, k / 4),
+                    degrees(tilt),
+                    degrees(20.0),
+                );
                 expected = [0, 1, 2, 3].map(|i| expected[i] + s[i] / 16.0);
             }
             // the midpoint rule over a quarter of a pixel is good to 2e-5
-            assert_stokes(&format!("pixel {x}, {y}"), pixel(&image, x, y, 0), expected, 3e-5);
+            assert_stokes(
+                &format!("pixel {x}, {y}"),
+                pixel(&image, x, y, 0),
+                expected,
+                3e-5,
+            );
         }
     }
 }
@@ -411,7 +615,8 @@ fn a_tilted_retarder_has_no_seam() {
 /// Source: Walter et al., Microfacet Models for Refraction through Rough Surfaces, EGSR 2007, Eqs. (20), (33), (34).
 fn single_scattering_albedo(alpha: f64, cos_o: f64) -> f64 {
     let sin_o = (1.0 - cos_o * cos_o).sqrt();
-    let shadowing = |cos: f64| 2.0 / (1.0 + (1.0 + alpha * alpha * (1.0 / (cos * cos) - 1.0)).sqrt());
+    let shadowing =
+        |cos: f64| 2.0 / (1.0 + (1.0 + alpha * alpha * (1.0 / (cos * cos) - 1.0)).sqrt());
     let (steps, turns) = (2000, 720);
     let mut sum = 0.0;
     for j in 0..steps {
@@ -436,7 +641,9 @@ fn single_scattering_albedo(alpha: f64, cos_o: f64) -> f64 {
 fn rough_lossless_metal_loses_only_what_meets_a_second_facet() {
     for (alpha, angle) in [(0.1, 0.0), (0.3, 40.0), (0.5, 60.0), (0.5, 80.0)] {
         let (sin, cos) = degrees(angle).sin_cos();
-        let bsdf = format!("<bsdf type='roughconductor'><string name='distribution' value='ggx'/><float name='alpha' value='{alpha}'/></bsdf>");
+        let bsdf = format!(
+            "<bsdf type='roughconductor'><string name='distribution' value='ggx'/><float name='alpha' value='{alpha}'/></bsdf>"
+        );
         let text = scene(
             2,
             &format!("origin='{sin}, 0, {cos}' target='0, 0, 0' up='0, 1, 0'"),
@@ -447,7 +654,12 @@ fn rough_lossless_metal_loses_only_what_meets_a_second_facet() {
         let albedo = single_scattering_albedo(alpha, cos);
         assert!(albedo > 0.6 && albedo < 1.0 + 1e-6);
         // the midpoint rule: doubling its points changes the fifth digit
-        assert_stokes(&format!("alpha {alpha}, {angle} degrees"), found, [albedo, 0.0, 0.0, 0.0], 3e-5);
+        assert_stokes(
+            &format!("alpha {alpha}, {angle} degrees"),
+            found,
+            [albedo, 0.0, 0.0, 0.0],
+            3e-5,
+        );
     }
 }
 
@@ -457,7 +669,13 @@ fn radiance_inside_glass_is_higher_by_the_square_of_its_index() {
         "{SURROUNDINGS}<shape type='sphere'><bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf></shape>"
     );
     // 0.3 from the centre no ray is totally reflected: sin = 0.3 < 1/1.5
-    let text = film_scene(256, "origin='0.3, 0, 0' target='0, 0.5, 1' up='0, 1, 0'", 90.0, [8, 8], &content);
+    let text = film_scene(
+        256,
+        "origin='0.3, 0, 0' target='0, 0.5, 1' up='0, 1, 0'",
+        90.0,
+        [8, 8],
+        &content,
+    );
     let image = Shot::new(4096).of_text(&text);
     assert_stokes("inside glass", mean(&image, 0), [2.25, 0.0, 0.0, 0.0], 1e-5);
 }

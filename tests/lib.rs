@@ -37,14 +37,29 @@ pub struct Shot {
 impl Shot {
     /// So many samples of Stokes vectors at 550 nm, with seed 1.
     pub fn new(spp: u64) -> Self {
-        Self { spp, seed: 1, mode: SpectralMode::Single(550.0), polarized: true, size: None, crop: None }
+        Self {
+            spp,
+            seed: 1,
+            mode: SpectralMode::Single(550.0),
+            polarized: true,
+            size: None,
+            crop: None,
+        }
     }
 
     /// A job for the renderer.
     pub fn job(&self, document: &Document) -> Job {
-        let overrides = Overrides { size: self.size, crop: self.crop };
-        let BuiltScene { scene, camera, film, paths, .. } =
-            build(document, overrides).unwrap_or_else(|error| panic!("{error}"));
+        let overrides = Overrides {
+            size: self.size,
+            crop: self.crop,
+        };
+        let BuiltScene {
+            scene,
+            camera,
+            film,
+            paths,
+            ..
+        } = build(document, overrides).unwrap_or_else(|error| panic!("{error}"));
         Job {
             scene,
             camera,
@@ -60,7 +75,8 @@ impl Shot {
 
     /// Renders a scene given as text.
     pub fn of_text(&self, text: &str) -> StokesImage {
-        let document = read_text(text, Path::new("test.xml"), &[]).unwrap_or_else(|error| panic!("{error}"));
+        let document =
+            read_text(text, Path::new("test.xml"), &[]).unwrap_or_else(|error| panic!("{error}"));
         self.of_document(&document)
     }
 
@@ -72,7 +88,10 @@ impl Shot {
 
     fn of_document(&self, document: &Document) -> StokesImage {
         let job = self.job(document);
-        image_of(&job, &render(&job, Limits::default(), &AtomicBool::new(false), |_| ()))
+        image_of(
+            &job,
+            &render(&job, Limits::default(), &AtomicBool::new(false), |_| ()),
+        )
     }
 }
 
@@ -81,8 +100,12 @@ pub fn image_of(job: &Job, rendering: &Rendering) -> StokesImage {
     assert_eq!(rendering.rejected, 0, "samples that are not finite");
     let [width, height] = job.film.crop_size.map(|n| n as usize);
     let colour = match &job.mode {
-        SpectralMode::Single(wavelength) => Colour::Mono { wavelength_nm: Some(*wavelength) },
-        SpectralMode::Bands { .. } => Colour::Bands { wavelengths_nm: job.mode.band_centres() },
+        SpectralMode::Single(wavelength) => Colour::Mono {
+            wavelength_nm: Some(*wavelength),
+        },
+        SpectralMode::Bands { .. } => Colour::Bands {
+            wavelengths_nm: job.mode.band_centres(),
+        },
         SpectralMode::Rgb => Colour::Rgb,
     };
     let mut image = StokesImage::new(width, height, rendering.components(), colour);
@@ -100,7 +123,13 @@ pub fn scene(depth: i64, lookat: &str, fov: f64, content: &str) -> String {
 }
 
 /// The same with a film of several pixels.
-pub fn film_scene(depth: i64, lookat: &str, fov: f64, [width, height]: [u32; 2], content: &str) -> String {
+pub fn film_scene(
+    depth: i64,
+    lookat: &str,
+    fov: f64,
+    [width, height]: [u32; 2],
+    content: &str,
+) -> String {
     format!(
         "<scene version='3.0.0'>
             <integrator type='path'>
@@ -137,12 +166,19 @@ pub fn mean(image: &StokesImage, colour: usize) -> ([f64; 4], [f64; 4]) {
 
 /// Stokes vector of a pixel, and the standard error of each component.
 pub fn pixel(image: &StokesImage, x: usize, y: usize, colour: usize) -> ([f64; 4], [f64; 4]) {
-    let variance = image.variance_at(x, y, colour).expect("renderings have variances");
+    let variance = image
+        .variance_at(x, y, colour)
+        .expect("renderings have variances");
     (image.stokes_at(x, y, colour), variance.map(f64::sqrt))
 }
 
 /// Checks that a Stokes vector is the expected one within its noise and `round_off`.
-pub fn assert_stokes(what: &str, (found, error): ([f64; 4], [f64; 4]), expected: [f64; 4], round_off: f64) {
+pub fn assert_stokes(
+    what: &str,
+    (found, error): ([f64; 4], [f64; 4]),
+    expected: [f64; 4],
+    round_off: f64,
+) {
     for k in 0..4 {
         assert!(
             (found[k] - expected[k]).abs() <= SIGMAS * error[k] + round_off,
@@ -162,7 +198,10 @@ pub fn make_big_mesh() -> bool {
     if scenes.join("big_mesh/displaced_sphere_200k.obj").is_file() {
         return true;
     }
-    match Command::new("python3").arg(scenes.join("make_meshes.py")).status() {
+    match Command::new("python3")
+        .arg(scenes.join("make_meshes.py"))
+        .status()
+    {
         Ok(status) => {
             assert!(status.success(), "scenes/make_meshes.py failed");
             true
@@ -179,7 +218,11 @@ pub fn brewster() -> Command {
             .manifest_path(repository().join("Cargo.toml"))
             .package("render")
             .bin("brewster");
-        let build = if cfg!(debug_assertions) { build } else { build.release() };
+        let build = if cfg!(debug_assertions) {
+            build
+        } else {
+            build.release()
+        };
         let run = build.run().unwrap_or_else(|error| panic!("{error}"));
         run.path().to_owned()
     });
