@@ -7,7 +7,7 @@ use render::cli;
 
 /// A polarization-aware renderer: Mitsuba 3 scenes in, Stokes images and polarization maps out.
 #[derive(Parser)]
-#[command(version, arg_required_else_help = true)]
+#[command(name = "brewster", version, arg_required_else_help = true)]
 struct Command {
     #[command(subcommand)]
     task: Task,
