@@ -1,14 +1,11 @@
-# /// script
-# requires-python = ">=3.11"
-# dependencies = ["colour-science==0.4.7", "numpy>=2,<3"]
-# ///
 """Writes data/cie/cie1931_2deg_d65.csv: the CIE tables that the renderer is built with.
 
-    uv run validation/make_cie_tables.py          (or: pip install colour-science==0.4.7, then python)
+    validation/.venv/bin/python validation/make_cie_tables.py
 
-Colour matching functions of the CIE 1931 2 degree standard observer at 1 nm, and illuminant D65, both from the CIE's
-tables in colour-science. The D65 table there ends at 780 nm; the CIE's daylight formula, which agrees with the table
-within 0.001, continues it to 830 nm. D65 is given every 5 nm and interpolated linearly, as CIE 15 asks.
+Colour matching functions of the CIE 1931 2 degree standard observer at 1 nm, and illuminant D65,
+both from the CIE's tables in colour-science. The D65 table there ends at 780 nm; the CIE's
+daylight formula, which agrees with the table within 0.001, continues it to 830 nm. D65 is given
+every 5 nm and interpolated linearly, as CIE 15 asks.
 """
 
 from pathlib import Path
@@ -41,7 +38,8 @@ def main() -> None:
     xyz = observer[rows]
     lines = [
         f"# made by validation/make_cie_tables.py with colour-science {colour.__version__} "
-        "from the CIE's tables (CIE 1931 2 degree observer; illuminant D65, daylight formula beyond 780 nm)",
+        "from the CIE's tables (CIE 1931 2 degree observer; illuminant D65, daylight formula "
+        "beyond 780 nm)",
         "wavelength_nm,x,y,z,d65",
     ]
     for wavelength, (x, y, z), power in zip(rows, xyz, d65(), strict=True):

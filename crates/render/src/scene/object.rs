@@ -144,15 +144,21 @@ impl Object {
         }))
     }
 
-    /// Accepts parameters that exist in Mitsuba and change nothing here; a notice tells the user of each one given.
+    /// Accepts parameters that exist in Mitsuba and change nothing here; one notice names those that are given.
     pub fn without_effect(&self, names: &[&str]) {
+        let mut given = Vec::new();
         for &name in names {
             self.asked.borrow_mut().insert(name.to_owned());
             for parameter in self.parameters.iter().filter(|p| p.name == name) {
                 parameter.read.set(true);
-                let whose = self.describe();
-                self.notice_at(name, format!("'{name}' of {whose} has no effect here"));
+                given.push(name);
             }
+        }
+        if let Some(first) = given.first() {
+            let list = given.join("', '");
+            let verb = if given.len() == 1 { "has" } else { "have" };
+            let whose = self.describe();
+            self.notice_at(first, format!("'{list}' of {whose} {verb} no effect here"));
         }
     }
 
