@@ -62,6 +62,12 @@ pub struct FilmGeometry {
 const TILE: u32 = 16;
 
 impl FilmGeometry {
+    /// Memory that the sums take, bytes.
+    pub fn bytes(&self, colours: usize) -> u64 {
+        let pixels = u64::from(self.crop_size[0]) * u64::from(self.crop_size[1]);
+        pixels * 8 * colours as u64 * size_of::<f64>() as u64
+    }
+
     /// Empty tiles that cover the crop window.
     pub fn tiles(&self, colours: usize) -> Vec<TileSums> {
         let [width, height] = self.crop_size;

@@ -92,9 +92,6 @@ impl Needs {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::material::Material;
-    use crate::material::diffuse::Diffuse;
-    use crate::material::null::Null;
     use crate::scene::{Overrides, build, read_text};
 
     fn needs(matter: &str, depth: u32) -> (bool, bool) {
@@ -110,16 +107,8 @@ mod tests {
 
     #[test]
     fn depolarizers_alone_need_no_stokes_vectors() {
-        let scene = Scene {
-            materials: vec![Material::Diffuse(Diffuse::default()), Material::Null(Null)],
-            ..Scene::default()
-        };
-        let paths = PathOptions {
-            max_depth: 8,
-            rr_depth: 5,
-            hide_emitters: false,
-        };
-        assert!(!Needs::of(&scene, &paths, &[]).polarization());
+        let matter = "<bsdf type='diffuse'/><bsdf type='null'/>";
+        assert_eq!(needs(matter, 8), (false, false));
     }
 
     #[test]

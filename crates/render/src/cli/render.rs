@@ -21,6 +21,10 @@ use crate::output::{self, ImageError, WriteOptions};
 use crate::sampler::Generator;
 use crate::scene::{self, Overrides};
 
+const GIB: u64 = 1 << 30;
+/// Most memory that the film may take.
+const MOST_MEMORY: u64 = 16 * GIB;
+
 /// Command line of `brewster render`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
@@ -222,6 +226,18 @@ fn load(args: &Args) -> Result<(Job, Vec<String>), Failure> {
     } else {
         SpectralMode::Single(args.wavelength.unwrap_or(550.0))
     };
+    let bytes = film.bytes(mode.colours());
+    if bytes > MOST_MEMORY {
+        return Err(Failure::Usage(format!(
+            "{}: a film of {} x {} pixels with {} colours takes {:.1} GiB, expected at most {:.0}; --size or --crop make it smaller",
+            args.scene.display(),
+            film.crop_size[0],
+            film.crop_size[1],
+            mode.colours(),
+            bytes as f64 / GIB as f64,
+            MOST_MEMORY as f64 / GIB as f64
+        )));
+    }
     let needs = Needs::of(&built.scene, &built.paths, &built.material_names);
     let job = Job {
         scene: built.scene,
