@@ -94,9 +94,9 @@ impl FlatBlock {
             let (index, flat) = flats.get(lane).copied().unwrap_or(unused);
             indices[lane] = index;
             parallelograms[lane] = flat.parallelogram;
-            for corner in 0..3 {
-                for axis in 0..3 {
-                    corners[corner][axis][lane] = flat.corners[corner][axis];
+            for (axes, point) in corners.iter_mut().zip(flat.corners) {
+                for (axis, lanes) in axes.iter_mut().enumerate() {
+                    lanes[lane] = point[axis];
                 }
             }
         }

@@ -392,9 +392,9 @@ mod tests {
                 let (mut chi2, mut rest) = (0.0, (0.0, 0.0));
                 for (c, e) in counts.iter().zip(expected) {
                     if e > 20.0 {
-                        chi2 += (c - e) * (c - e) / e
+                        chi2 += (c - e) * (c - e) / e;
                     } else {
-                        rest = (rest.0 + c, rest.1 + e)
+                        rest = (rest.0 + c, rest.1 + e);
                     }
                 }
                 if rest.1 > 5.0 {
