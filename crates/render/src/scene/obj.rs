@@ -53,13 +53,26 @@ fn parse(bytes: &[u8], path: &Path, flip_tex_coords: bool) -> Result<Mesh, Scene
     // comments and names need not be UTF-8
     let text = String::from_utf8_lossy(bytes);
     let (statements, ignored) = select(text.trim_start_matches('\u{feff}'), path)?;
-    let options = tobj::LoadOptions { triangulate: true, single_index: true, ..Default::default() };
+    let options = tobj::LoadOptions {
+        triangulate: true,
+        single_index: true,
+        ..Default::default()
+    };
     let no_materials = |_: &Path| Ok(Default::default());
     let (models, _) = tobj::load_obj_buf(&mut statements.as_bytes(), &options, no_materials)
         .map_err(|failure| whole.error(failure))?;
-    let mut mesh = assemble(models.into_iter().next().map(|model| model.mesh).unwrap_or_default(), flip_tex_coords);
+    let mut mesh = assemble(
+        models
+            .into_iter()
+            .next()
+            .map(|model| model.mesh)
+            .unwrap_or_default(),
+        flip_tex_coords,
+    );
     if ignored > 0 {
-        mesh.notices.push(format!("{ignored} statements of points, lines or free-form surfaces are ignored"));
+        mesh.notices.push(format!(
+            "{ignored} statements of points, lines or free-form surfaces are ignored"
+        ));
     }
     for notice in &mut mesh.notices {
         *notice = whole.error(&*notice).to_string();
@@ -70,7 +83,11 @@ fn parse(bytes: &[u8], path: &Path, flip_tex_coords: bool) -> Result<Mesh, Scene
 /// The statements that make triangles, all of them good, and how many others there are that might be missed.
 fn select(text: &str, path: &Path) -> Result<(String, usize), SceneError> {
     let file: Arc<Path> = path.into();
-    let named = |keyword| text.lines().filter(|line| line.split_whitespace().next() == Some(keyword)).count();
+    let named = |keyword| {
+        text.lines()
+            .filter(|line| line.split_whitespace().next() == Some(keyword))
+            .count()
+    };
     let totals = LISTS.map(|(keyword, ..)| named(keyword));
     let mut before = [0; 3];
     let (mut kept, mut ignored) = (String::with_capacity(text.len() + 1), 0);
@@ -80,7 +97,11 @@ fn select(text: &str, path: &Path) -> Result<(String, usize), SceneError> {
         number += 1;
         let at = |message: String| Position::line(file.clone(), number).error(message);
         // a backslash at the end joins the next line to this one
-        if let Some(start) = line.trim_end().strip_suffix('\\').filter(|start| !start.starts_with('#')) {
+        if let Some(start) = line
+            .trim_end()
+            .strip_suffix('\\')
+            .filter(|start| !start.starts_with('#'))
+        {
             joined.push_str(start);
             joined.push(' ');
             continue;
@@ -106,7 +127,8 @@ fn select(text: &str, path: &Path) -> Result<(String, usize), SceneError> {
     if joined.is_empty() {
         Ok((kept, ignored))
     } else {
-        Err(Position::line(file, number).error("the file ends after a backslash, expected another line"))
+        Err(Position::line(file, number)
+            .error("the file ends after a backslash, expected another line"))
     }
 }
 
@@ -114,7 +136,11 @@ fn unknown(keyword: &str) -> String {
     if keyword.contains(char::REPLACEMENT_CHARACTER) {
         return "the line is not text, expected an OBJ file".to_owned();
     }
-    format!("unknown statement {}{}", quoted(keyword), suggestion(keyword, &["v", "vn", "vt", "f"]))
+    format!(
+        "unknown statement {}{}",
+        quoted(keyword),
+        suggestion(keyword, &["v", "vn", "vt", "f"])
+    )
 }
 
 /// Copies a statement of numbers, all of them finite, without those that are not read; missing ones are zero.
@@ -126,9 +152,12 @@ fn numbers<'w>(
     kept.push_str(keyword);
     let mut found = 0;
     for word in words {
-        let value: f32 = word
-            .parse()
-            .map_err(|_| format!("{} in '{keyword}' is no number, expected {needed} or more", quoted(word)))?;
+        let value: f32 = word.parse().map_err(|_| {
+            format!(
+                "{} in '{keyword}' is no number, expected {needed} or more",
+                quoted(word)
+            )
+        })?;
         if !value.is_finite() {
             return Err(format!(
                 "{} in '{keyword}' is not finite in single precision, expected a finite number",
@@ -142,7 +171,9 @@ fn numbers<'w>(
         found += 1;
     }
     if found < needed {
-        return Err(format!("'{keyword}' with {found} numbers, expected {needed}"));
+        return Err(format!(
+            "'{keyword}' with {found} numbers, expected {needed}"
+        ));
     }
     kept.push_str(&" 0".repeat(read.saturating_sub(found)));
     kept.push('\n');
@@ -159,23 +190,39 @@ fn check_face<'w>(
     for word in words {
         corners += 1;
         if word.starts_with('/') || word.split('/').count() > 3 {
-            return Err(format!("face corner {}, expected v, v/vt, v//vn or v/vt/vn", quoted(word)));
+            return Err(format!(
+                "face corner {}, expected v, v/vt, v//vn or v/vt/vn",
+                quoted(word)
+            ));
         }
-        for (list, part) in word.split('/').enumerate().filter(|(_, part)| !part.is_empty()) {
-            let index: i64 =
-                part.parse().map_err(|_| format!("index {} in a face, expected an integer", quoted(part)))?;
+        for (list, part) in word
+            .split('/')
+            .enumerate()
+            .filter(|(_, part)| !part.is_empty())
+        {
+            let index: i64 = part
+                .parse()
+                .map_err(|_| format!("index {} in a face, expected an integer", quoted(part)))?;
             let (what, total, before) = (LISTS[list].1, totals[list], before[list]);
             let reach = index.unsigned_abs();
             if index == 0 {
                 return Err("index 0 in a face, expected 1 for the first vertex".to_owned());
             } else if index > 0 && reach > total as u64 {
-                return Err(format!("face names {what} {index}, expected at most {total}, the number in the file"));
+                return Err(format!(
+                    "face names {what} {index}, expected at most {total}, the number in the file"
+                ));
             } else if index < 0 && reach > before as u64 {
-                return Err(format!("index {index} in a face, there are {before} before this line"));
+                return Err(format!(
+                    "index {index} in a face, there are {before} before this line"
+                ));
             }
         }
     }
-    if corners < 3 { Err(format!("face with {corners} corners, expected at least 3")) } else { Ok(()) }
+    if corners < 3 {
+        Err(format!("face with {corners} corners, expected at least 3"))
+    } else {
+        Ok(())
+    }
 }
 
 /// One mesh with one index buffer, and what is to be said about it.
@@ -189,36 +236,59 @@ fn assemble(read: tobj::Mesh, flip_tex_coords: bool) -> Mesh {
     match read.texcoords.len() / 2 {
         0 => {}
         n if n == count => {
-            let flipped = |&[u, v]: &[f32; 2]| if flip_tex_coords { [u, 1.0 - v] } else { [u, v] };
+            let flipped = |&[u, v]: &[f32; 2]| {
+                if flip_tex_coords {
+                    [u, 1.0 - v]
+                } else {
+                    [u, v]
+                }
+            };
             mesh.texcoords = Some(read.texcoords.as_chunks().0.iter().map(flipped).collect());
         }
-        n => mesh.notices.push(format!("{} vertices lack texture coordinates, all do without", count - n)),
+        n => mesh.notices.push(format!(
+            "{} vertices lack texture coordinates, all do without",
+            count - n
+        )),
     }
     match read.normals.len() / 3 {
         0 => {}
         n if n == count => set_normals(&mut mesh, read.normals.as_chunks().0),
-        n => mesh.notices.push(format!("{} vertices lack a normal, all get smooth ones", count - n)),
+        n => mesh.notices.push(format!(
+            "{} vertices lack a normal, all get smooth ones",
+            count - n
+        )),
     }
     mesh.degenerate = count_degenerate(&mesh);
     if mesh.triangles.is_empty() {
         mesh.notices.push("the file has no faces".to_owned());
     }
     if mesh.degenerate > 0 {
-        mesh.notices.push(format!("{} triangles have no area", mesh.degenerate));
+        mesh.notices
+            .push(format!("{} triangles have no area", mesh.degenerate));
     }
     mesh
 }
 
 /// Unit normals; those without a direction are smooth ones.
 fn set_normals(mesh: &mut Mesh, given: &[[f32; 3]]) {
-    let unit = |&n: &[f32; 3]| Some(Vec3::from(n).as_dvec3().try_normalize()?.as_vec3().to_array());
+    let unit = |&n: &[f32; 3]| {
+        Some(
+            Vec3::from(n)
+                .as_dvec3()
+                .try_normalize()?
+                .as_vec3()
+                .to_array(),
+        )
+    };
     let mut normals: Vec<Option<[f32; 3]>> = given.iter().map(unit).collect();
     let missing = normals.iter().filter(|normal| normal.is_none()).count();
     if missing > 0 {
         for (normal, smooth) in normals.iter_mut().zip(vertex_normals(mesh)) {
             normal.get_or_insert(smooth);
         }
-        mesh.notices.push(format!("{missing} vertices have a normal of no length and get a smooth one"));
+        mesh.notices.push(format!(
+            "{missing} vertices have a normal of no length and get a smooth one"
+        ));
     }
     mesh.normals = Some(normals.into_iter().flatten().collect());
 }
