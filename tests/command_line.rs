@@ -149,6 +149,10 @@ fn wrong_options_exit_with_2_and_say_what_was_expected() {
             "render scene.xml --crop 4294967295,0,2,2",
             "expected a window within 16x12",
         ),
+        (
+            "render scene.xml --size 65536x65536",
+            "GiB, expected at most",
+        ),
         ("render scene.xml --wavelength green", "such as 550nm"),
         (
             "render scene.xml --wavelength 500nm --rgb",
