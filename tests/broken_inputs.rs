@@ -1,5 +1,6 @@
 //! Claim: however broken a scene or a mesh is, the answer is a message with its place, or a documented tolerance and an
 //! image of finite numbers; never a panic, a hang or a NaN.
+#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -279,7 +280,7 @@ fn a_broken_scene_is_refused_with_its_place_or_rendered_without_nan() {
             (Err(found), Refused(words)) if found.contains(words) => {}
             (Ok(notices), Rendered(words)) if notices.concat().contains(words) => {}
             (Err(found), Refused(words)) => {
-                failures.push(format!("{name}: found '{found}', expected '{words}'"))
+                failures.push(format!("{name}: found '{found}', expected '{words}'"));
             }
             (Err(found), Rendered(_)) => failures.push(format!("{name}: refused: '{found}'")),
             (Ok(notices), _) => failures.push(format!("{name}: rendered with {notices:?}")),
