@@ -1,5 +1,6 @@
 //! Claim: however broken a scene or a mesh is, the answer is a message with its place, or a documented tolerance and an
 //! image of finite numbers; never a panic, a hang or a NaN.
+#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -83,8 +84,8 @@ const SCENES: &[(&str, &str, &str, Outcome)] = &[
     ("unknown axis", "CAMERA", "<float name='fov' value='40'/><string name='fov_axis' value='w'/>", Refused("is 'w', expected 'x', 'y'")),
     ("stretched camera", "CAMERA", "<transform name='to_world'><scale x='2'/></transform>", Refused("a camera that is stretched or skewed")),
     ("flat camera", "CAMERA", "<transform name='to_world'><scale z='0'/></transform>", Refused("scene.xml:3")),
-    ("camera in the sky", "CAMERA", "<transform name='to_world'><translate z='1e30'/></transform>", Refused("scene.xml:3")),
-    ("camera beyond single precision", "CAMERA", "<transform name='to_world'><translate z='1e300'/></transform>", Refused("scene.xml:3")),
+    ("camera in the sky", "CAMERA", "<transform name='to_world'><translate z='1e30'/></transform>", Refused("scene.xml:3:1: sensor 'perspective' reaches 1e30 m from the origin")),
+    ("camera beyond single precision", "CAMERA", "<transform name='to_world'><translate z='1e300'/></transform>", Refused("choose a larger unit of length")),
     ("camera in the ball", "CAMERA", "<transform name='to_world'><translate x='0.5'/></transform>", Rendered("")),
     ("camera on the ball", "CAMERA", "<transform name='to_world'><translate z='-1'/></transform>", Rendered("")),
     ("camera in the centre", "CAMERA", "<float name='fov' value='90'/>", Rendered("")),
@@ -92,7 +93,6 @@ const SCENES: &[(&str, &str, &str, Outcome)] = &[
     ("width zero", "FILM", "<film type='hdrfilm'><integer name='width' value='0'/></film>", Refused("'width' of film 'hdrfilm' is 0, expected a number from 1 to 65536")),
     ("negative height", "FILM", "<film type='hdrfilm'><integer name='height' value='-5'/></film>", Refused("'height' of film 'hdrfilm' is -5")),
     ("film of 1e9", "FILM", "<film type='hdrfilm'><integer name='width' value='1000000000'/><integer name='height' value='1000000000'/></film>", Refused("expected a number from 1 to 65536")),
-    ("film of four thousand million pixels", "FILM", "<film type='hdrfilm'><integer name='width' value='65536'/><integer name='height' value='65536'/></film>", Refused("scene.xml:3:1: an image of 65536x65536 pixels")),
     ("crop outside", "FILM", "<film type='hdrfilm'><integer name='crop_offset_x' value='768'/></film>", Refused("'crop_offset_x'")),
     ("crop too wide", "FILM", "<film type='hdrfilm'><integer name='crop_offset_x' value='700'/><integer name='crop_width' value='69'/></film>", Refused("'crop_width'")),
     ("crop empty", "FILM", "<film type='hdrfilm'><integer name='crop_height' value='0'/></film>", Refused("'crop_height'")),
@@ -107,16 +107,16 @@ const SCENES: &[(&str, &str, &str, Outcome)] = &[
     ("radius zero", "SHAPE", "<shape type='sphere'><float name='radius' value='0'/></shape>", Refused("'radius' of shape 'sphere' is 0, expected a positive number")),
     ("negative radius", "SHAPE", "<shape type='cylinder'><float name='radius' value='-1'/></shape>", Refused("'radius' of shape 'cylinder' is -1, expected a positive number")),
     ("tiny radius", "SHAPE", "<shape type='sphere'><float name='radius' value='1e-44'/></shape>", Rendered("")),
-    ("radius below single precision", "SHAPE", "<shape type='sphere'><float name='radius' value='1e-300'/></shape>", Refused("scene.xml:5:1")),
+    ("radius below single precision", "SHAPE", "<shape type='sphere'><float name='radius' value='1e-300'/></shape>", Rendered("")),
     ("huge radius", "SHAPE", "<shape type='sphere'><float name='radius' value='1e30'/></shape>", Refused("choose a larger unit of length")),
     ("largest radius", "SHAPE", "<shape type='sphere'><float name='radius' value='9e11'/></shape>", Rendered("")),
     ("point for a radius", "SHAPE", "<shape type='sphere'><point name='radius' x='1' y='1' z='1'/></shape>", Refused("expected a number")),
     ("cylinder without length", "SHAPE", "<shape type='cylinder'><point name='p0' value='1 1 1'/><point name='p1' value='1 1 1'/></shape>", Refused("'p0' and 'p1' are the same point")),
     ("squeezed sphere", "SHAPE", "<shape type='sphere'><transform name='to_world'><scale x='2'/></transform></shape>", Refused("a transform that stretches or skews shape 'sphere'")),
-    ("flat rectangle", "SHAPE", "<shape type='rectangle'><transform name='to_world'><scale x='0'/></transform></shape>", Refused("scene.xml:5:46: the transform is singular")),
+    ("flat rectangle", "SHAPE", "<shape type='rectangle'><transform name='to_world'><scale x='0'/></transform></shape>", Refused("scene.xml:5:25: transform 'to_world' of shape 'rectangle' maps space to a plane")),
     ("scale 1e30", "SHAPE", "<shape type='cube'><transform name='to_world'><scale value='1e30'/></transform></shape>", Refused("choose a larger unit of length")),
     ("scale 1e-30", "SHAPE", "<shape type='cube'><transform name='to_world'><scale value='1e-30'/></transform></shape>", Rendered("")),
-    ("scale 1e-200", "SHAPE", "<shape type='cube'><transform name='to_world'><scale value='1e-200'/></transform></shape>", Refused("scene.xml:5")),
+    ("scale 1e-200", "SHAPE", "<shape type='cube'><transform name='to_world'><scale value='1e-200'/></transform></shape>", Rendered("")),
     ("skewed cube", "SHAPE", "<shape type='cube'><transform name='to_world'><matrix value='1 1 0 0 1 1 0 0 1'/></transform></shape>", Rendered("")),
     ("singular matrix", "SHAPE", "<shape type='cube'><transform name='to_world'><matrix value='1 2 3 2 4 6 1 1 1'/></transform></shape>", Refused("scene.xml:5")),
     ("needle", "SHAPE", "<shape type='cube'><transform name='to_world'><scale x='1e-20' y='1e6'/></transform></shape>", Rendered("")),
@@ -280,7 +280,7 @@ fn a_broken_scene_is_refused_with_its_place_or_rendered_without_nan() {
             (Err(found), Refused(words)) if found.contains(words) => {}
             (Ok(notices), Rendered(words)) if notices.concat().contains(words) => {}
             (Err(found), Refused(words)) => {
-                failures.push(format!("{name}: found '{found}', expected '{words}'"))
+                failures.push(format!("{name}: found '{found}', expected '{words}'"));
             }
             (Err(found), Rendered(_)) => failures.push(format!("{name}: refused: '{found}'")),
             (Ok(notices), _) => failures.push(format!("{name}: rendered with {notices:?}")),

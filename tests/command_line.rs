@@ -1,4 +1,5 @@
 //! Claim: the program does what its options say, and its exit status tells how it went.
+#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use std::fs;
 use std::io::{BufRead, BufReader};
@@ -148,6 +149,10 @@ fn wrong_options_exit_with_2_and_say_what_was_expected() {
         (
             "render scene.xml --crop 4294967295,0,2,2",
             "expected a window within 16x12",
+        ),
+        (
+            "render scene.xml --size 65536x65536",
+            "GiB, expected at most",
         ),
         ("render scene.xml --wavelength green", "such as 550nm"),
         (

@@ -1,4 +1,5 @@
 //! Claim: surfaces neither leak nor shadow themselves, at any scale; and rays find the nearest one.
+#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -225,7 +226,7 @@ fn no_ray_leaves_a_closed_mesh_through_edges_or_vertices() {
     let mesh = &scene.meshes[0];
     let planes: Vec<(DVec3, f64)> = (0..mesh.len())
         .map(|t| {
-            let [a, b, c] = mesh.corners(t).map(|p| p.as_dvec3());
+            let [a, b, c] = mesh.corners(t).map(Vec3A::as_dvec3);
             let normal = (b - a).cross(c - a).normalize();
             (normal, normal.dot(a))
         })

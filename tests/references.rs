@@ -9,6 +9,7 @@
 //! ```
 //!
 //! with the reference's standard error σ and the difference `peer` of Mitsuba itself at 512 samples.
+#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use brewster_tests::{Shot, make_big_mesh, repository};
 use render::compare::{Field, Row, Settings, compare, mean_of_seeds};

@@ -1,4 +1,5 @@
 //! Claim: one wavelength, bands and colours are the same light, looked at in three ways.
+#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use brewster_tests::{SIGMAS, Shot, assert_stokes, film_scene, mean, pixel, repository, scene};
 use render::film::SpectralMode;
@@ -7,6 +8,9 @@ use render::image::StokesImage;
 fn constant(radiance: &str) -> String {
     format!("<emitter type='constant'><spectrum name='radiance' {radiance}/></emitter>")
 }
+
+/// Stokes vector in one colour, and its standard errors.
+type Seen<'a> = &'a dyn Fn(&StokesImage, usize) -> ([f64; 4], [f64; 4]);
 
 /// A scene of nothing but light.
 fn light(radiance: &str) -> String {
@@ -210,7 +214,7 @@ fn fine_bands_integrated_over_the_colour_matching_functions_are_the_colours() {
             srgb(xyz.map(|v| v * UNIT_LUMINANCE))
         })
         .collect();
-    let check = |what: &str, seen: &dyn Fn(&StokesImage, usize) -> ([f64; 4], [f64; 4])| {
+    let check = |what: &str, seen: Seen<'_>| {
         for colour in 0..3 {
             let (mut sum, mut error) = ([0.0; 4], [0.0; 4]);
             for (band, weight) in weights.iter().enumerate() {

@@ -13,7 +13,7 @@
 use glam::{DVec3, Vec3A};
 
 use super::{Connection, Target};
-use crate::scene::{Object, SceneError};
+use crate::scene::{Object, SceneError, within_reach};
 use crate::spectrum::{Spectrum, SpectrumUse};
 
 /// A point source.
@@ -46,7 +46,7 @@ impl Point {
     /// Reads its parameters.
     pub fn read(object: &Object) -> Result<Self, SceneError> {
         let placed = object.transform("to_world")?.transform_point3(DVec3::ZERO);
-        let position = match object.optional_point("position")? {
+        let position: DVec3 = match object.optional_point("position")? {
             Some(_) if object.has("to_world") => {
                 return Err(object.error_at(
                     "position",
@@ -56,8 +56,10 @@ impl Point {
             Some(position) => position.into(),
             None => placed,
         };
+        let position = position.as_vec3a();
+        within_reach(object, position.abs().max_element())?;
         Ok(Self {
-            position: position.as_vec3a(),
+            position,
             intensity: object.spectrum(
                 "intensity",
                 SpectrumUse::Emission,

@@ -17,7 +17,7 @@ use glam::{DVec3, Vec3A};
 
 use super::Connection;
 use super::point::connect_to;
-use crate::scene::{Object, SceneError};
+use crate::scene::{Object, SceneError, within_reach};
 use crate::spectrum::{Spectrum, SpectrumUse};
 
 /// A spot light.
@@ -51,8 +51,10 @@ impl Spot {
                 ),
             ));
         }
+        let position = to_world.transform_point3(DVec3::ZERO).as_vec3a();
+        within_reach(object, position.abs().max_element())?;
         Ok(Self {
-            position: to_world.transform_point3(DVec3::ZERO).as_vec3a(),
+            position,
             axis: to_world.transform_vector3(DVec3::Z).normalize().as_vec3a(),
             cutoff: cutoff.to_radians() as f32,
             beam: beam.to_radians() as f32,

@@ -328,7 +328,8 @@ fn not_rigid(object: &Object) -> SceneError {
     )
 }
 
-fn within_reach(object: &Object, reach: f32) -> Result<(), SceneError> {
+/// Refuses what lies so far from the origin that single precision fails.
+pub(crate) fn within_reach(object: &Object, reach: f32) -> Result<(), SceneError> {
     if reach <= FARTHEST {
         Ok(())
     } else {

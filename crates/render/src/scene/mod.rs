@@ -33,6 +33,7 @@ mod value;
 mod world;
 mod xml;
 
+pub(crate) use build::within_reach;
 pub use build::{BuiltScene, Overrides, build};
 pub use document::Document;
 pub use error::{Position, SceneError, nearest};

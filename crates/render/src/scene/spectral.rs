@@ -59,8 +59,11 @@ impl Object {
     ) -> Result<(), SceneError> {
         let (range, what) = match use_ {
             SpectrumUse::Reflectance => (0.0..=1.0, "a fraction between 0 and 1"),
-            SpectrumUse::Emission => (0.0..=f64::INFINITY, "no negative number"),
-            SpectrumUse::Unbounded => return Ok(()),
+            SpectrumUse::Emission => (0.0..=LARGEST, "a number from 0 to 3.4e38"),
+            SpectrumUse::Unbounded => (
+                -LARGEST..=LARGEST,
+                "a number of single precision, up to 3.4e38",
+            ),
         };
         let Some(outside) = value.all().into_iter().find(|v| !range.contains(v)) else {
             return Ok(());
@@ -70,6 +73,9 @@ impl Object {
         Err(self.error_at(name, message))
     }
 }
+
+/// Spectra are single precision where they are used.
+const LARGEST: f64 = f32::MAX as f64;
 
 enum Numbers {
     Uniform(f64),
@@ -168,7 +174,7 @@ mod tests {
             (
                 "<spectrum name='r' value='400:0 500:-1'/>",
                 Emission,
-                "-1, expected no negative number",
+                "-1, expected a number from 0 to 3.4e38",
             ),
         ] {
             assert_eq!(read(parameter, use_), Err(format!("{message} {end}")));

@@ -16,7 +16,7 @@
 use glam::{DVec3, Vec3A};
 
 use crate::geometry::ray::Ray;
-use crate::scene::{Object, SceneError};
+use crate::scene::{Object, SceneError, within_reach};
 
 /// A pinhole camera.
 #[derive(Clone, Debug)]
@@ -94,9 +94,11 @@ impl Perspective {
                 "a camera that is stretched or skewed, expected a transform that only moves, turns and mirrors",
             ));
         }
+        let origin = to_world.transform_point3(DVec3::ZERO).as_vec3a();
+        within_reach(object, origin.abs().max_element())?;
         object.without_effect(&["near_clip", "far_clip", "shutter_open", "shutter_close"]);
         Ok(Self {
-            origin: to_world.transform_point3(DVec3::ZERO).as_vec3a(),
+            origin,
             right: (right / unit).as_vec3a(),
             up: (up / unit).as_vec3a(),
             forward: (forward / unit).as_vec3a(),
