@@ -213,7 +213,6 @@ impl FrameRotation {
 }
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "a failing test should panic")]
 mod tests {
     use super::*;
     use proptest::prelude::*;

@@ -172,7 +172,6 @@ impl FramedStokes {
 }
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "a failing test should panic")]
 mod tests {
     use super::*;
     use nalgebra::Vector3;
