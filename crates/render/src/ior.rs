@@ -1,7 +1,7 @@
 //! Named optical constants: `material="Au"` of conductors, `int_ior="bk7"` of dielectrics.
 //!
 //! Names are Mitsuba 3's. The tables under `data/ior` are built into the program; `data/README.md` names their
-//! sources. A new material is one CSV file and one row of [`CONDUCTORS`].
+//! sources. A new material is one CSV file and one row of `CONDUCTORS`.
 
 use crate::spectrum::Spectrum;
 

@@ -51,7 +51,7 @@ impl Constant {
         })
     }
 
-    /// Density of [`Constant::connect`].
+    /// Density of `Constant::connect`.
     #[inline]
     pub fn density(&self, frame: &Frame, direction: Vec3A) -> f32 {
         frame.n.dot(direction).max(0.0) * FRAC_1_PI
