@@ -7,6 +7,8 @@
 //! ```xml
 //! <shape type="rectangle"><emitter type="area"><float name="radiance" value="12"/></emitter></shape>
 //! ```
+//!
+//! A shape that shines and holds no bsdf is black: it reflects nothing (others without bsdf are `diffuse`).
 
 use glam::Vec3A;
 

@@ -28,7 +28,7 @@ pub struct Diffuse {
 }
 
 impl Default for Diffuse {
-    /// Reflects half the power: what a shape without matter is made of.
+    /// Reflects half the power: what a shape is made of that names no matter and does not shine.
     fn default() -> Self {
         Self {
             reflectance: Spectrum::constant(0.5),
@@ -37,6 +37,13 @@ impl Default for Diffuse {
 }
 
 impl Diffuse {
+    /// Reflects nothing: what a shining shape is made of that names no matter.
+    pub fn black() -> Self {
+        Self {
+            reflectance: Spectrum::constant(0.0),
+        }
+    }
+
     /// Reads its parameters.
     pub fn read(object: &Object) -> Result<Self, SceneError> {
         Ok(Self {

@@ -192,14 +192,18 @@ impl Builder {
         if !plugins::supported(Tag::Shape).contains(&object.plugin.as_str()) {
             return Err(plugins::refuse(object));
         }
+        let emitter = object.child(Tag::Emitter)?;
         let material = match object.child(Tag::Bsdf)? {
             Some(bsdf) => self.material(&bsdf)?,
+            None if emitter.is_some() => self.add_material(
+                Material::Diffuse(Diffuse::black()),
+                "black (default)".to_owned(),
+            ),
             None => self.add_material(
                 Material::Diffuse(Diffuse::default()),
                 "diffuse (default)".to_owned(),
             ),
         };
-        let emitter = object.child(Tag::Emitter)?;
         let body = self.body(object, emitter.is_some())?;
         let emitter = match emitter {
             Some(emitter) if emitter.plugin == "area" => {
