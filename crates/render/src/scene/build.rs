@@ -244,6 +244,7 @@ impl Builder {
             "sphere" => {
                 let radius = positive(object, "radius", 1.0)?;
                 let centre: DVec3 = object.optional_point("center")?.unwrap_or_default().into();
+                notice_inside_out(object, &to_world, flip);
                 Shape::Sphere(
                     Sphere::new(centre, radius, &to_world, flip)
                         .ok_or_else(|| not_rigid(object))?,
@@ -287,6 +288,9 @@ impl Builder {
             object.notice_at("filename", notice);
         }
         let face_normals = object.boolean("face_normals", false)?;
+        if face_normals || mesh.normals.is_none() {
+            notice_inside_out(object, to_world, flip);
+        }
         let placed = PlacedMesh::new(mesh, to_world, face_normals, flip, emits);
         within_reach(object, placed.reach())?;
         if emits && placed.area() <= 0.0 {
@@ -332,8 +336,20 @@ fn not_rigid(object: &Object) -> SceneError {
     )
 }
 
-/// Refuses what lies so far from the origin that single precision fails.
-pub(crate) fn within_reach(object: &Object, reach: f32) -> Result<(), SceneError> {
+/// Tells the user of a mirroring transform that turns a shape inside out, unless `flip_normals` turns it back.
+fn notice_inside_out(object: &Object, to_world: &DMat4, flip: bool) {
+    if to_world.determinant() < 0.0 && !flip {
+        object.notice_at(
+            "to_world",
+            format!(
+                "the transform mirrors {}: its normals now point inward, as in Mitsuba; 'flip_normals' turns them back",
+                object.describe()
+            ),
+        );
+    }
+}
+
+fn within_reach(object: &Object, reach: f32) -> Result<(), SceneError> {
     if reach <= FARTHEST {
         Ok(())
     } else {

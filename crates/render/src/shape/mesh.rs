@@ -21,45 +21,43 @@ pub struct PlacedMesh {
 }
 
 impl PlacedMesh {
-    /// Transforms a mesh into the world. Smooth normals are computed if the file has none and `face_normals` is not
-    /// asked for. A mirroring transform keeps the front side where the (transformed) normals point.
+    /// Transforms a mesh into the world. Smooth normals are computed there if the file has none and `face_normals` is
+    /// not asked for.
+    ///
+    /// The front is where the file's normals point. Where they are not used it is the side from which the corners run
+    /// counter-clockwise in the world, as in Mitsuba 3: a mirroring transform then turns the mesh inside out.
     pub fn new(
-        mesh: Mesh,
+        mut mesh: Mesh,
         to_world: &DMat4,
         face_normals: bool,
         flip_normals: bool,
         emits: bool,
     ) -> Self {
-        let normals = (!face_normals).then(|| {
-            mesh.normals
-                .clone()
-                .unwrap_or_else(|| vertex_normals(&mesh))
-        });
-        let covectors = DMat3::from_mat4(*to_world).inverse().transpose();
-        let positions: Vec<Vec3A> = mesh
-            .positions
-            .iter()
-            .map(|&p| {
-                to_world
-                    .transform_point3(glam::Vec3::from(p).as_dvec3())
-                    .as_vec3a()
-            })
-            .collect();
-        let mirrored = to_world.determinant() < 0.0;
-        let mut triangles = mesh.triangles;
-        if mirrored {
-            triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        for p in &mut mesh.positions {
+            *p = to_world
+                .transform_point3(glam::Vec3::from(*p).as_dvec3())
+                .as_vec3()
+                .to_array();
         }
-        let normals = normals.map(|normals| {
-            normals
-                .iter()
-                .map(|&n| {
+        let normals: Option<Vec<Vec3A>> = match mesh.normals.take().filter(|_| !face_normals) {
+            Some(normals) => {
+                if to_world.determinant() < 0.0 {
+                    // the first two corners: axis U stays along the edge between them
+                    mesh.triangles.iter_mut().for_each(|t| t.swap(0, 1));
+                }
+                let covectors = DMat3::from_mat4(*to_world).inverse().transpose();
+                let turned = |n| {
                     (covectors * glam::Vec3::from(n).as_dvec3())
                         .normalize_or_zero()
                         .as_vec3a()
-                })
-                .collect()
-        });
+                };
+                Some(normals.into_iter().map(turned).collect())
+            }
+            None if face_normals => None,
+            None => Some(vertex_normals(&mesh).into_iter().map(Vec3A::from).collect()),
+        };
+        let positions = mesh.positions.into_iter().map(Vec3A::from).collect();
+        let triangles = mesh.triangles;
         let mut placed = Self {
             positions,
             normals,

@@ -1,5 +1,7 @@
 //! `sphere`: centre and radius, normal outward, axis U along increasing azimuth about the local z axis.
 //!
+//! A transform that mirrors turns it inside out, as in Mitsuba 3: the normal points inward unless `flip_normals` is given.
+//!
 //! Intersected in double precision: a sphere seen from a thousand radii stays round.
 
 use std::f32::consts::{PI, TAU};
@@ -33,13 +35,14 @@ impl Sphere {
         let scale = c.uniform_scale()?;
         let centre = to_world.transform_point3(centre).as_vec3a();
         let radius = (radius * scale) as f32;
+        let sense = c.x.cross(c.y).dot(c.z).signum() as f32;
         Some(Self {
             centre,
             centre_f64: centre.as_dvec3(),
             radius,
             pole: c.z.normalize().as_vec3a(),
-            side: if flip_normals { -1.0 } else { 1.0 },
-            sense: c.x.cross(c.y).dot(c.z).signum() as f32,
+            side: if flip_normals { -sense } else { sense },
+            sense,
             error: (centre.abs() + Vec3A::splat(radius)) * gamma(6),
         })
     }
