@@ -349,7 +349,8 @@ fn notice_inside_out(object: &Object, to_world: &DMat4, flip: bool) {
     }
 }
 
-fn within_reach(object: &Object, reach: f32) -> Result<(), SceneError> {
+/// Refuses what lies so far from the origin that single precision fails.
+pub(crate) fn within_reach(object: &Object, reach: f32) -> Result<(), SceneError> {
     if reach <= FARTHEST {
         Ok(())
     } else {

@@ -61,7 +61,10 @@ fn half_width(object: &Object, aspect: f64) -> Result<f64, SceneError> {
         return Ok(if by_width { half } else { half * aspect });
     }
     if object.has("fov_axis") {
-        object.notice_at("fov_axis", "'fov_axis' has no effect without 'fov': 'focal_length' goes by the diagonal");
+        object.notice_at(
+            "fov_axis",
+            "'fov_axis' has no effect without 'fov': 'focal_length' goes by the diagonal",
+        );
     }
     let text = object.string("focal_length", "50mm")?;
     let millimetres: f64 = text
