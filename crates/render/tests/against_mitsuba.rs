@@ -24,15 +24,7 @@ fn quarters(name: &str, mode: SpectralMode) -> Vec<Mean> {
         .join("tests/against_mitsuba")
         .join(name);
     let document = scene::read(&path, &[]).expect("a scene that can be read");
-    let many_wavelengths = mode == SpectralMode::Rgb;
-    let built = scene::build(
-        &document,
-        Overrides {
-            many_wavelengths,
-            ..Overrides::default()
-        },
-    )
-    .expect("a scene");
+    let built = scene::build(&document, Overrides::default()).expect("a scene");
     let [width, height] = built.film.crop_size.map(|n| n as usize);
     let colours = mode.colours();
     let job = Job {
@@ -42,6 +34,7 @@ fn quarters(name: &str, mode: SpectralMode) -> Vec<Mean> {
         paths: built.paths,
         mode,
         polarized: true,
+        follow_polarization: true,
         samples: 512,
         seed: 1,
     };
