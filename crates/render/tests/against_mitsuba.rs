@@ -229,3 +229,35 @@ fn colours_of_light_and_matter_agree() {
         ],
     );
 }
+
+/// The middle pixel of an image of a rectangle in surroundings of radiance 1.
+fn rectangle_in_a_furnace(inside: &str) -> f32 {
+    let text = format!(
+        "<scene version='3.0.0'><emitter type='constant'/><shape type='rectangle'>{inside}</shape>\
+         <integrator type='path'><integer name='max_depth' value='2'/></integrator>\
+         <sensor type='perspective'><transform name='to_world'><lookat origin='0, 0, 2' target='0, 0, 0' up='0, 1, 0'/>\
+         </transform><film type='hdrfilm'><integer name='width' value='3'/><integer name='height' value='3'/></film></sensor></scene>"
+    );
+    let document = scene::read_text(&text, Path::new("scene.xml"), &[]).expect("a scene");
+    let built = scene::build(&document, Overrides::default()).expect("a scene");
+    let job = Job {
+        scene: built.scene,
+        camera: built.camera,
+        film: built.film,
+        paths: built.paths,
+        mode: ONE,
+        polarized: false,
+        samples: 256,
+        seed: 1,
+    };
+    let rendering = render(&job, Limits::default(), &AtomicBool::new(false), |_| {});
+    rendering.image().0[4]
+}
+
+#[test]
+fn a_shape_without_bsdf_is_grey_and_black_if_it_shines() {
+    // cosine sampling of a Lambertian surface in even light has no variance
+    assert!((rectangle_in_a_furnace("") - 0.5).abs() < 1e-5);
+    let lamp = "<emitter type='area'><float name='radiance' value='0.25'/></emitter>";
+    assert_eq!(rectangle_in_a_furnace(lamp), 0.25);
+}

@@ -330,7 +330,8 @@ fn not_rigid(object: &Object) -> SceneError {
     object.error_at(
         "to_world",
         format!(
-            "a transform that stretches or skews {}, expected one that moves, turns, mirrors and scales evenly",
+            "a transform that stretches or skews {}, expected one that moves, turns, mirrors and scales evenly \
+             (a <rotate> stretches if its axis is not of unit length)",
             object.describe()
         ),
     )

