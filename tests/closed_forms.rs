@@ -407,13 +407,26 @@ fn a_metal_mirror_changes_diagonal_light_into_elliptic_light() {
         [0.46296, 0.0202, -0.30602, 0.34681],
         1e-5,
     );
-    // and by the formulas, along the axes and in between
+    // and by the formulas, along the axes and in between; the back of two-sided metal does the same
+    let both = format!("<bsdf type='twosided'>{silver}</bsdf>");
     for theta in [0.0, 20.0, 45.0, 80.0, 90.0, 130.0] {
-        let lit = polarizer(degrees(-theta), LAMP);
+        let expected = mirrored(m, polarizer(degrees(-theta), LAMP));
         assert_stokes(
             &format!("light at {theta} degrees"),
             see(Some(theta)),
-            mirrored(m, lit),
+            expected,
+            1e-5,
+        );
+        let back = pixel(
+            &shot.of_text(&mirror_scene(&both, 60.0, -1.0, Some(theta))),
+            0,
+            0,
+            0,
+        );
+        assert_stokes(
+            &format!("light at {theta} degrees on the back"),
+            back,
+            expected,
             1e-5,
         );
     }

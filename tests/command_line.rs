@@ -377,7 +377,7 @@ fn what_cannot_be_written_exits_with_1_and_leaves_nothing() {
 fn an_interrupted_rendering_writes_what_there_is() {
     let place = Place::new();
     let mut child = place
-        .command("render scene.xml --spp 1000000000000 --json -o a.exr")
+        .command("render scene.xml --spp 1000000000000 --time 60s --json -o a.exr")
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
