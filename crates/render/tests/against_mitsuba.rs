@@ -247,6 +247,7 @@ fn rectangle_in_a_furnace(inside: &str) -> f32 {
         paths: built.paths,
         mode: ONE,
         polarized: false,
+        follow_polarization: false,
         samples: 256,
         seed: 1,
     };
