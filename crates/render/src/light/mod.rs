@@ -153,3 +153,29 @@ pub trait Light: Copy + Send + Sync + 'static {
     /// Scales the path by `weight`.
     fn scale(throughput: &mut Self::Throughput, weight: f32);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_matrix_of_an_element_is_laid_out_as_in_stokes() {
+        let element = stokes::DiattenuatingRetarder {
+            mean: 0.5,
+            difference: 0.25,
+            cosine: -0.125,
+            sine: 0.375,
+        };
+        let matrix = Element::from(element).matrix();
+        let expected = element.to_mueller();
+        for row in 0..4 {
+            for column in 0..4 {
+                // powers of two: exact in both precisions
+                assert_eq!(
+                    f64::from(matrix.col(column)[row]),
+                    expected.element(row, column)
+                );
+            }
+        }
+    }
+}
