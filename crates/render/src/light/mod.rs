@@ -160,7 +160,7 @@ mod tests {
 
     #[test]
     fn the_matrix_of_an_element_is_laid_out_as_in_stokes() {
-        let element = stokes::DiattenuatingRetarder {
+        let element = DiattenuatingRetarder {
             mean: 0.5,
             difference: 0.25,
             cosine: -0.125,
