@@ -30,14 +30,29 @@
 //! | a, b, c, s | diattenuator and retarder on common axes | 1 | [`DiattenuatingRetarder`] |
 #![forbid(unsafe_code)]
 
+mod basis;
+mod beam;
 mod frame;
+mod hermite;
 mod mueller;
 mod observables;
+mod plane;
+mod reshape;
+mod series;
+mod shape;
+mod symmetric_power;
 mod units;
 mod vector;
 
+pub use basis::{all_modes, mode_count, mode_index, modes, whitened_mode};
+pub use beam::{Components, GeneralizedStokes, LEAST_FAR_FIELD, LightError, Loss};
 pub use frame::{Frame, FrameError, FrameRotation};
+pub use hermite::{MAX_ORDER, Real, hermite};
 pub use mueller::{DiattenuatingRetarder, Mueller};
 pub use observables::{Handedness, PolarizationEllipse};
+pub use reshape::overlap;
+pub use series::{HermiteSeries, SeriesError};
+pub use shape::{MAX_CONDITION, ShapeError, ShapeMatrix};
+pub use symmetric_power::symmetric_power;
 pub use units::{NotPositive, Wavelength, Wavenumber};
 pub use vector::{FramedStokes, StokesVector};
