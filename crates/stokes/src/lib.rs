@@ -26,14 +26,21 @@
 //! | P = √(S1² + S2² + S3²)/S0 | degree of polarization | 1 | [`StokesVector::degree_of_polarization`] |
 //! | ψ = ½ atan2(S2, S1) | angle of linear polarization | rad | [`StokesVector::angle_of_linear_polarization`] |
 //! | χ = ½ atan2(S3, √(S1² + S2²)) | ellipticity angle | rad | [`StokesVector::ellipticity_angle`] |
+//! | Ψ^Θ_nm, Ψ̃^Θ_nm | covariant Hermite-Gauss functions and their dual | length^(−n−m−1), length^(n+m−1) | [`covariant_mode`], (S1.2), (S1.3) |
+//! | č_nm | coefficients over the covariant family | see there | [`HermiteSeries::from_covariant`] |
+//! | A, B₁, t₁ | parts of an inverse log-Hessian | 1/m², 1/m², 1 | [`inverse_log_hessian`], (S2.14)–(S2.17) |
 //! | M | Mueller matrix | 1 | [`Mueller`] |
 //! | a, b, c, s | diattenuator and retarder on common axes | 1 | [`DiattenuatingRetarder`] |
 #![forbid(unsafe_code)]
 
 mod basis;
 mod beam;
+mod covariant;
+mod covariant_series;
+mod double;
 mod frame;
 mod hermite;
+mod log_hessian;
 mod mueller;
 mod observables;
 mod plane;
@@ -46,8 +53,10 @@ mod vector;
 
 pub use basis::{all_modes, mode_count, mode_index, modes, whitened_mode};
 pub use beam::{Components, GeneralizedStokes, LEAST_FAR_FIELD, LightError, Loss};
+pub use covariant::{Family, covariant_mode, covariant_mode_at_zero, covariant_mode_fourier};
 pub use frame::{Frame, FrameError, FrameRotation};
 pub use hermite::{MAX_ORDER, Real, hermite};
+pub use log_hessian::{inverse_log_hessian, inverse_of_sum, log_hessian};
 pub use mueller::{DiattenuatingRetarder, Mueller};
 pub use observables::{Handedness, PolarizationEllipse};
 pub use reshape::overlap;
