@@ -271,7 +271,6 @@ proptest! {
     fn the_choice_of_root_moves_no_coherence_ellipse(case in case(), angle in -10.0..10.0f64) {
         let light = &case.light;
         let other = rerooted(light, &turn(angle));
-        prop_assume!(light.intensity() > 0.0);
         if let Ok(ellipse) = light.coherence_ellipse() {
             // curvatures are sums of (2N+1)-fold terms over C0, their squares from the gradient, and weigh against the
             // least curvature, in whitened coordinates at least (r/(k σ semi_major))², σ the larger width
