@@ -112,16 +112,16 @@ proptest! {
     }
 
     #[test]
-    fn the_shape_is_the_curvature_of_the_far_field(envelope in profiles(), p in prop::array::uniform3(0.3..1.0f64)) {
+    fn the_shape_is_the_curvature_of_the_far_field(envelope in hard_edged(), p in prop::array::uniform3(0.3..1.0f64)) {
         let projection = Matrix2::new(p[0], 0.2, -0.1, p[1]);
         let shape = envelope.shape(&projection).unwrap();
         // −d² ln|f| along a direction, in units of the shape's own width
         let y = Vector2::new(p[2].cos(), p[2].sin());
         let w = shape.unwhiten(&y);
         let log = |t: f64| (envelope.far_field(&projection, &(w * t)) / envelope.area()).norm().ln();
-        let h = 1e-2;
+        let h = 2e-3;
         let curvature = |h: f64| -2.0 * log(h) / (h * h);
-        // Richardson leaves the sixth cumulant times h⁴
+        // Richardson leaves the sixth cumulant times 4h⁴/90; a faint cell far out makes it 1e4 at most
         let found = (4.0 * curvature(h) - curvature(2.0 * h)) / 3.0;
         prop_assert!((found - 1.0).abs() < 1e-6, "{found}");
         let expected = projection.transpose() * envelope.covariance() * projection;
