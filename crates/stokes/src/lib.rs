@@ -1,4 +1,31 @@
-//! Light: Stokes vectors, transverse frames, Mueller matrices.
+//! Light: Stokes vectors, and *generalized* Stokes vectors in Hermite-Gauss space.
+//!
+//! A generalized Stokes vector is four Stokes parameters of two points: polarization and coherence in one object. Each
+//! parameter is a series of Hermite-Gauss functions of the separation, and the four share one shape matrix
+//! ([`GeneralizedStokes`]). Where the two points coincide it is the classical [`StokesVector`]. The crate follows
+//! sections S1, S2.4, S3 and S4.1 of the supplemental of S. Steinberg and L.-Q. Yan, *Physical Light-Matter Interaction
+//! in Hermite-Gauss Space* (2021), below "the paper"; equations are cited by its numbers.
+//!
+//! ```
+//! use nalgebra::{Matrix2, Vector2, Vector3};
+//! use stokes::*;
+//! // a square lamp of 2 mm, linearly polarized to 30 %, 4 m away in green light
+//! let lamp = Envelope::rectangle(1e-3, 1e-3)?;
+//! let modes = lamp.modes(ModeWidth::VarianceMatched, 16)?;
+//! let (shape, series) = modes.in_direction(&Matrix2::identity())?;
+//! let light = GeneralizedStokes::new(
+//!     Components::Shared { modes: series, stokes: StokesVector::new(1.0, 0.3, 0.0, 0.0) },
+//!     shape,
+//!     Frame::with_x_along(Vector3::z(), Vector3::x())?,
+//!     Wavelength::from_metres(550e-9)?,
+//!     4.0,
+//! )?;
+//! assert!((light.stokes().stokes.degree_of_polarization() - 0.3).abs() < 1e-15);
+//! // van Cittert and Zernike: the first zero of a square's coherence is at λr/width = 1.1 mm
+//! let gamma = light.degree_of_coherence(&Vector2::new(1.1e-3, 0.0));
+//! assert!(gamma.norm() < 0.05);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 //!
 //! # Signs, decided once
 //!
@@ -9,6 +36,10 @@
 //! - **S1 > 0**: the field vibrates along `x`. **S2 > 0**: along `x + y`.
 //! - **S3 > 0**: the field turns *clockwise* for that receiver ("right-handed" in optics). In `exp(+iωt)`
 //!   `S3 = i⟨E_x E_y* − E_y E_x*⟩ = −2 Im⟨E_x E_y*⟩`, so `E = (1, i)/√2` has `S3 = +1`.
+//! - **Spatial phases** are the paper's: forward waves `e^{+ikr}`, Fourier kernel `e^{−iz·x}` without prefactor (the inverse
+//!   has `(2π)⁻²`). Both conventions hold together in `C_j(ξ₁, ξ₂) = tr(σ_j ⟨E(r+ξ₂) E†(r+ξ₁)⟩)`, fields in `exp(+iωt)`:
+//!   the matrix index of the fields with the two points swapped.
+//! - **Separation** `ξ = ξ₁ − ξ₂`, across the ray, in the frame's axes; `C(−ξ) = C(ξ)*`.
 //! - **Rotation**: [`FrameRotation`] leads from the old to the new `x` axis; [`Mueller::rotated`] turns the element.
 //! - **s and p**: `x` of the frame is s, perpendicular to the plane of incidence (`normal × propagation` on every
 //!   side), `y = z × x` is p. Hence `r_p = −r_s` at normal incidence.
@@ -19,21 +50,45 @@
 //! | symbol | name | unit | where |
 //! |---|---|---|---|
 //! | λ₀ | vacuum wavelength | m | [`Wavelength`] |
-//! | k₀ = 2π/λ₀ | vacuum wavenumber | rad/m | [`Wavenumber`] |
+//! | k = 2π/λ₀ | vacuum wavenumber | rad/m | [`Wavenumber`] |
 //! | (x, y, z) | transverse frame, z along propagation | 1 | [`Frame`] |
 //! | cos 2t, sin 2t | rotation of a frame by t | 1 | [`FrameRotation`] |
 //! | S = [S0, S1, S2, S3] | Stokes vector | W/m², W/(m² sr), … | [`StokesVector`] |
-//! | P = √(S1² + S2² + S3²)/S0 | degree of polarization | 1 | [`StokesVector::degree_of_polarization`] |
-//! | ψ = ½ atan2(S2, S1) | angle of linear polarization | rad | [`StokesVector::angle_of_linear_polarization`] |
+//! | P = √(S1² + S2² + S3²)/S0 | degree of polarization (S4.4) | 1 | [`StokesVector::degree_of_polarization`] |
+//! | ς₁, ς₂ | semi-axes of the polarization ellipse (S4.10, corrected) | √ of the unit of S | [`StokesVector::ellipse`] |
+//! | ψ = ½ atan2(S2, S1) | orientation of the ellipse (S4.11, corrected) | rad | [`StokesVector::orientation_angle`] |
 //! | χ = ½ atan2(S3, √(S1² + S2²)) | ellipticity angle | rad | [`StokesVector::ellipticity_angle`] |
-//! | Ψ^Θ_nm, Ψ̃^Θ_nm | covariant Hermite-Gauss functions and their dual | length^(−n−m−1), length^(n+m−1) | [`covariant_mode`], (S1.2), (S1.3) |
-//! | č_nm | coefficients over the covariant family | see there | [`HermiteSeries::from_covariant`] |
-//! | A, B₁, t₁ | parts of an inverse log-Hessian | 1/m², 1/m², 1 | [`inverse_log_hessian`], (S2.14)–(S2.17) |
-//! | γ(ξ) = C0(ξ)/C0(0) | degree of coherence | 1 | [`GeneralizedStokes::degree_of_coherence`] |
-//! | 𝒫(ξ) | degree of cross-polarization | 1 | [`GeneralizedStokes::degree_of_cross_polarization`] |
-//! | ζ, Wd(ζ) | transverse wave vector, Wigner function | rad/m, unit of C · m² | [`GeneralizedStokes::wigner`] |
 //! | M | Mueller matrix | 1 | [`Mueller`] |
 //! | a, b, c, s | diattenuator and retarder on common axes | 1 | [`DiattenuatingRetarder`] |
+//! | h_n(t) | Hermite-Gauss function of one variable (S1.1) | 1 | [`hermite`] |
+//! | φ_ab(w; W) | whitened orthonormal mode, a + b ≤ N | m | [`whitened_mode`], [`all_modes`] |
+//! | Ψ^Θ_nm, Ψ̃^Θ_nm | the paper's covariant family and its dual (S1.2, S1.3, in the plane) | m^(1±(n+m)) | [`covariant_mode`] |
+//! | Sym^N(A) | a linear map's action on the modes of total order N | | [`symmetric_power`] |
+//! | Θ | shape matrix (Definition 4.1, Lemma 4.4) | 1/m² | [`ShapeMatrix`] |
+//! | W | its root, Θ⁻¹ = WᵀW | m | [`ShapeMatrix::root`] |
+//! | y = W w | whitened coordinates | 1 | [`ShapeMatrix::whiten`] |
+//! | A, B₁, t₁ | parts of an inverse log-Hessian (S2.14 to S2.17, corrected) | 1/m², 1/m², 1 | [`inverse_log_hessian`] |
+//! | č_nm | covariant coefficients (Definition 4.1) | | [`HermiteSeries::from_covariant`] |
+//! | c_ab = i^(a+b) s_ab | whitened coefficients, s_ab real | | [`HermiteSeries`] |
+//! | r | distance from the last source or scatterer | m | [`GeneralizedStokes::distance`] |
+//! | ξ = ξ₁ − ξ₂ | transverse separation of two points | m | [`GeneralizedStokes::at_separation`] |
+//! | w = (k/r) ξ | far-field argument (S3.2) | 1/m | [`GeneralizedStokes::far_field_argument`] |
+//! | C_j(ξ) | generalized Stokes parameters (S4.6) | that of S | [`GeneralizedStokes::at_separation`] |
+//! | I = C_0(0) | spectral intensity (S4.7) | that of S | [`GeneralizedStokes::intensity`] |
+//! | γ(ξ) | spectral degree of coherence (S4.8) | 1 | [`GeneralizedStokes::degree_of_coherence`] |
+//! | 𝒫(ξ) | degree of cross-polarization (S4.9, corrected) | 1 | [`GeneralizedStokes::degree_of_cross_polarization`] |
+//! | 𝒲_j(ζ) | Wigner-Ville distribution (S3.3) | that of S times m² | [`GeneralizedStokes::wigner`] |
+//! | I(m) | envelope: intensity over a source | that of S | [`Envelope`] |
+//! | f(w) = F{I}(P w) | its angular coherence | that of S times m² | [`Envelope::fourier`] |
+//! | D | root of its covariance, DᵀD = Cov | m | [`EnvelopeModes`] |
+//! | P | transverse axes in the source's plane, P_rc = t_r·e_c | 1 | [`EnvelopeModes::in_direction`] |
+//!
+//! # Where the paper's formulas are corrected
+//!
+//! The paper's section S1 and S2 are written for three dimensions; light is transverse, so everything here is the
+//! two-dimensional form (norm `(π²|Θ|)^(1/4)`, Fourier factor `2π`, Jacobian `(r/k)²`). Where a printed formula is wrong,
+//! `tests/errata` of this crate shows it failing and the one used here holding: (S1.5), the remark after (S1.6), (S2.12),
+//! (S2.13), (S2.17), property (1) of the Wigner function, (S3.4), (S3.5), the cone after (S4.6), (S4.9), (S4.10), (S4.11).
 #![forbid(unsafe_code)]
 
 mod basis;
@@ -42,6 +97,7 @@ mod coherence;
 mod covariant;
 mod covariant_series;
 mod double;
+mod envelope;
 mod frame;
 mod hermite;
 mod log_hessian;
@@ -61,6 +117,10 @@ pub use basis::{all_modes, mode_count, mode_index, modes, whitened_mode};
 pub use beam::{Components, GeneralizedStokes, LEAST_FAR_FIELD, LightError, Loss};
 pub use coherence::{CoherenceEllipse, CoherenceError};
 pub use covariant::{Family, covariant_mode, covariant_mode_at_zero, covariant_mode_fourier};
+pub use envelope::{
+    Envelope, EnvelopeError, EnvelopeModes, GaussianPatch, GaussianPeak, MAX_PATCHES, ModeWidth,
+    Patches, surface_projection,
+};
 pub use frame::{Frame, FrameError, FrameRotation};
 pub use hermite::{MAX_ORDER, Real, hermite};
 pub use log_hessian::{inverse_log_hessian, inverse_of_sum, log_hessian};
