@@ -1,0 +1,105 @@
+//! Operations of the crate `stokes`: Hermite-Gauss functions, shapes, series, envelopes, observables.
+
+use nalgebra::DVector;
+use num_complex::Complex64;
+use stokes::{ShapeMatrix, hermite, symmetric_power, whitened_mode};
+
+use super::Precision;
+use super::schema::{CaseError, Entry, Item};
+
+pub(super) fn hermite1d(inputs: &Entry<'_>, precision: Precision) -> Result<Item, CaseError> {
+    let n = order(inputs, "n")?;
+    let t = inputs.get("t", "a finite number")?.number()?;
+    Ok(Item::value(match precision {
+        Precision::Double => hermite(n, t),
+        Precision::Single => f64::from(hermite(n, t as f32)),
+    }))
+}
+
+pub(super) fn phi(inputs: &Entry<'_>, precision: Precision) -> Result<Item, CaseError> {
+    let (a, b) = (order(inputs, "a")?, order(inputs, "b")?);
+    let shape = shape_with_root(inputs, "W")?;
+    let x = inputs.get("x", "a list of two numbers")?.vector()?;
+    Ok(Item::value(match precision {
+        Precision::Double => whitened_mode(a, b, &shape, &x),
+        Precision::Single => {
+            let y = shape.whiten(&x);
+            let [along, across] =
+                [(a, y.x), (b, y.y)].map(|(n, t)| f64::from(hermite(n, t as f32)));
+            shape.root_determinant().sqrt() * along * across
+        }
+    }))
+}
+
+pub(super) fn sym_power(inputs: &Entry<'_>) -> Result<Item, CaseError> {
+    let a = inputs.get("A", MATRIX)?.matrix()?;
+    let n = order(inputs, "N")?;
+    Ok(Item::Group(vec![("matrix", symmetric_power(&a, n).into())]))
+}
+
+pub(super) fn cov_to_white(inputs: &Entry<'_>) -> Result<Item, CaseError> {
+    let shape = shape_with_root(inputs, "W")?;
+    let rows = inputs.get(
+        "coeffs",
+        "a list of 1, 2, 3, … coefficients, order by order",
+    )?;
+    let mut white = Vec::new();
+    for (n, row) in rows.list()?.iter().enumerate() {
+        white.push(whitened(&shape, n, row)?);
+    }
+    Ok(Item::Group(vec![
+        ("coeffs_white", Item::List(white)),
+        ("Theta", shape.theta().into()),
+    ]))
+}
+
+/// `Sym^n(W) c` of the coefficients of one total order: real when they are.
+fn whitened(shape: &ShapeMatrix, n: usize, row: &Entry<'_>) -> Result<Item, CaseError> {
+    let coefficients = row.list()?;
+    if n > stokes::MAX_ORDER || coefficients.len() != n + 1 {
+        return Err(row.refuse(format!(
+            "found {} coefficients of order {n}, expected {} and an order of at most {}",
+            coefficients.len(),
+            n + 1,
+            stokes::MAX_ORDER
+        )));
+    }
+    let power = symmetric_power(shape.root(), n);
+    let c = coefficients
+        .iter()
+        .map(Entry::complex)
+        .collect::<Result<Vec<_>, _>>()?;
+    let part =
+        |part: fn(&Complex64) -> f64| &power * DVector::from_iterator(n + 1, c.iter().map(part));
+    let re = part(|z| z.re);
+    if !coefficients.iter().any(Entry::is_complex) {
+        return Ok(re.as_slice().to_vec().into());
+    }
+    let im = part(|z| z.im);
+    let both = re.iter().zip(&im).map(|(re, im)| Complex64::new(*re, *im));
+    Ok(both.collect::<Vec<_>>().into())
+}
+
+pub(super) fn overlap(inputs: &Entry<'_>) -> Result<Item, CaseError> {
+    let first = (order(inputs, "a")?, order(inputs, "b")?);
+    let second = (order(inputs, "n")?, order(inputs, "m")?);
+    let (w1, w2) = (
+        shape_with_root(inputs, "W1")?,
+        shape_with_root(inputs, "W2")?,
+    );
+    Ok(Item::value(stokes::overlap(first, &w1, second, &w2)))
+}
+
+const MATRIX: &str = "a matrix: a list of two rows of two numbers";
+
+fn order(inputs: &Entry<'_>, key: &str) -> Result<usize, CaseError> {
+    inputs
+        .get(key, "an order: a whole number, 0 or more")?
+        .order()
+}
+
+/// The shape whose root stands under `key`.
+fn shape_with_root(inputs: &Entry<'_>, key: &str) -> Result<ShapeMatrix, CaseError> {
+    let root = inputs.get(key, MATRIX)?;
+    ShapeMatrix::from_root(&root.matrix()?).map_err(|problem| root.refuse(problem))
+}

@@ -1,0 +1,106 @@
+//! Formulas of the theorem crates by name, for numbers that come from elsewhere: the table behind `brewster eval`.
+
+mod light;
+pub mod schema;
+
+use schema::{Case, CaseError, Entry, Item};
+
+/// How the one-dimensional functions are computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// In f64, as everything else.
+    #[default]
+    Double,
+    /// In f32, where there is such a road.
+    Single,
+}
+
+/// An operation.
+#[derive(Debug)]
+pub struct Op {
+    /// Its name in the cases.
+    pub name: &'static str,
+    /// The inputs it takes; those in brackets may be left out.
+    pub inputs: &'static str,
+    /// The results it returns.
+    pub results: &'static str,
+    run: Run,
+}
+
+#[derive(Debug)]
+enum Run {
+    /// Computed in f64.
+    Double(fn(&Entry<'_>) -> Result<Item, CaseError>),
+    /// Computed in either precision.
+    Either(fn(&Entry<'_>, Precision) -> Result<Item, CaseError>),
+}
+
+impl Op {
+    const fn new(
+        name: &'static str,
+        inputs: &'static str,
+        results: &'static str,
+        run: fn(&Entry<'_>) -> Result<Item, CaseError>,
+    ) -> Self {
+        Self {
+            name,
+            inputs,
+            results,
+            run: Run::Double(run),
+        }
+    }
+
+    const fn either(
+        name: &'static str,
+        inputs: &'static str,
+        results: &'static str,
+        run: fn(&Entry<'_>, Precision) -> Result<Item, CaseError>,
+    ) -> Self {
+        Self {
+            name,
+            inputs,
+            results,
+            run: Run::Either(run),
+        }
+    }
+}
+
+/// All operations.
+pub const OPS: &[Op] = &[
+    Op::either("hermite1d", "n, t", "value", light::hermite1d),
+    Op::either("phi", "a, b, W, x", "value", light::phi),
+    Op::new("sym_power", "A, N", "matrix", light::sym_power),
+    Op::new(
+        "cov_to_white",
+        "W, coeffs",
+        "coeffs_white, Theta",
+        light::cov_to_white,
+    ),
+    Op::new("overlap", "a, b, n, m, W1, W2", "value", light::overlap),
+];
+
+/// The operation of that name.
+#[must_use]
+pub fn find(name: &str) -> Option<&'static Op> {
+    OPS.iter().find(|op| op.name == name)
+}
+
+impl Op {
+    /// The result for the inputs of a case, in the schema's form.
+    ///
+    /// # Errors
+    ///
+    /// When an input is missing, of the wrong kind or out of its domain, or a result is not finite.
+    pub fn evaluate(
+        &self,
+        case: &Case,
+        precision: Precision,
+    ) -> Result<serde_json::Value, CaseError> {
+        let inputs = Entry::of(case);
+        match self.run {
+            Run::Double(run) => run(&inputs),
+            Run::Either(run) => run(&inputs, precision),
+        }?
+        .to_json()
+    }
+}
