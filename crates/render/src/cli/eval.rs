@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use serde_json::json;
 
 use super::{Failure, Outcome};
-use crate::eval::schema::CaseFile;
+use crate::eval::schema::{CaseError, CaseFile};
 use crate::eval::{self, Precision};
 use crate::output;
 
@@ -45,14 +45,21 @@ pub fn run(args: &Args) -> Outcome {
         };
         match op.evaluate(case, precision) {
             Ok(result) => done.push(json!({"id": case.id, "result": result})),
-            Err(error) => eprintln!(
-                "brewster: {name}: case '{}' ({}): {error}",
-                case.id, op.name
-            ),
+            Err(error) => {
+                let takes = match error {
+                    CaseError::Missing { .. } => format!(" ({} takes {})", op.name, op.inputs),
+                    _ => String::new(),
+                };
+                eprintln!(
+                    "brewster: {name}: case '{}' ({}): {error}{takes}",
+                    case.id, op.name
+                );
+            }
         }
     }
     for (op, count) in unknown {
-        eprintln!("brewster: {name}: unknown op '{op}' in {count} cases");
+        let cases = if count == 1 { "case" } else { "cases" };
+        eprintln!("brewster: {name}: unknown op '{op}': {count} {cases} left out");
     }
     let complete = done.len() == file.cases.len();
     write(args.output.as_deref(), &json!({"cases": done}))?;
