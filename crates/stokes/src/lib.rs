@@ -26,30 +26,38 @@
 //! | P = √(S1² + S2² + S3²)/S0 | degree of polarization | 1 | [`StokesVector::degree_of_polarization`] |
 //! | ψ = ½ atan2(S2, S1) | angle of linear polarization | rad | [`StokesVector::angle_of_linear_polarization`] |
 //! | χ = ½ atan2(S3, √(S1² + S2²)) | ellipticity angle | rad | [`StokesVector::ellipticity_angle`] |
+//! | γ(ξ) = C0(ξ)/C0(0) | degree of coherence | 1 | [`GeneralizedStokes::degree_of_coherence`] |
+//! | 𝒫(ξ) | degree of cross-polarization | 1 | [`GeneralizedStokes::degree_of_cross_polarization`] |
+//! | ζ, Wd(ζ) | transverse wave vector, Wigner function | rad/m, unit of C · m² | [`GeneralizedStokes::wigner`] |
 //! | M | Mueller matrix | 1 | [`Mueller`] |
 //! | a, b, c, s | diattenuator and retarder on common axes | 1 | [`DiattenuatingRetarder`] |
 #![forbid(unsafe_code)]
 
 mod basis;
 mod beam;
+mod coherence;
 mod frame;
 mod hermite;
 mod mueller;
 mod observables;
 mod plane;
+mod realizability;
 mod reshape;
 mod series;
 mod shape;
 mod symmetric_power;
 mod units;
 mod vector;
+mod wigner;
 
 pub use basis::{all_modes, mode_count, mode_index, modes, whitened_mode};
 pub use beam::{Components, GeneralizedStokes, LEAST_FAR_FIELD, LightError, Loss};
+pub use coherence::{CoherenceEllipse, CoherenceError};
 pub use frame::{Frame, FrameError, FrameRotation};
 pub use hermite::{MAX_ORDER, Real, hermite};
 pub use mueller::{DiattenuatingRetarder, Mueller};
 pub use observables::{Handedness, PolarizationEllipse};
+pub use realizability::{Realizability, Violation};
 pub use reshape::overlap;
 pub use series::{HermiteSeries, SeriesError};
 pub use shape::{MAX_CONDITION, ShapeError, ShapeMatrix};

@@ -4,7 +4,7 @@
 //! intensity (`S0 ≤ 0`) has degree 0 by definition, and light without a polarized part has angles 0 and handedness
 //! [`Handedness::Linear`].
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::vector::StokesVector;
 
@@ -86,15 +86,93 @@ impl StokesVector {
         self.per_intensity(self.s3())
     }
 
-    /// Angle of linear polarization `½ atan2(S2, S1)`, radians from `x` in `[0, π)`; 0 where there is no linear part.
+    /// Intensity of the unpolarized part, `S0 − √(S1² + S2² + S3²)`; negative where the vector lies outside the cone.
     ///
-    /// Error below 4e-16 for any state.
+    /// Evaluated as `(S0² − S1² − S2² − S3²)/(S0 + p)` with the numerator's rounding errors carried along, so that it
+    /// keeps its digits as the light becomes fully polarized: relative error of a few `f64::EPSILON` down to
+    /// `1e-16 S0`, absolute error below `1e-31 S0` beyond. Zero exactly where the four numbers lie on the cone.
+    ///
+    /// ```
+    /// let light = stokes::StokesVector::new(1.0, 1.0 - 2f64.powi(-50), 0.0, 0.0);
+    /// assert_eq!(light.unpolarized_intensity(), 2f64.powi(-50));
+    /// ```
     #[must_use]
-    pub fn angle_of_linear_polarization(&self) -> f64 {
+    pub fn unpolarized_intensity(&self) -> f64 {
+        let polarized = self.polarized_intensity();
+        if self.s0() > 0.0 && polarized.is_finite() {
+            self.cone_form_over(polarized)
+        } else {
+            self.s0() - polarized
+        }
+    }
+
+    /// Eigenvalues of the coherency matrix `⟨E_i E_j*⟩`, the larger first: `(S0 ± √(S1² + S2² + S3²))/2`.
+    ///
+    /// In the unit of `S0`. The one that would cancel is evaluated as [`StokesVector::unpolarized_intensity`]. Light
+    /// exists when neither is negative.
+    ///
+    /// Source: Born & Wolf, Principles of Optics, 7th ed., section 10.9.2.
+    ///
+    /// ```
+    /// let light = stokes::StokesVector::new(2.0, 0.6, 0.0, 0.8);
+    /// assert_eq!(light.eigenvalues(), [1.5, 0.5]);
+    /// ```
+    #[must_use]
+    pub fn eigenvalues(&self) -> [f64; 2] {
+        let polarized = self.polarized_intensity();
+        let larger = if self.s0() < 0.0 && polarized.is_finite() {
+            -(*self * -1.0).cone_form_over(polarized)
+        } else {
+            self.s0() + polarized
+        };
+        [0.5 * larger, 0.5 * self.unpolarized_intensity()]
+    }
+
+    /// `(S0² − S1² − S2² − S3²)/(S0 + polarized)`, `S0` positive and `polarized` finite, without overflow.
+    fn cone_form_over(&self, polarized: f64) -> f64 {
+        let exponent = libm::ilogb(self.to_vector().amax());
+        let [s0, s1, s2, s3] = self.to_array().map(|s| libm::scalbn(s, -exponent));
+        // each square and each sum with its rounding error
+        let (mut sum, mut error) = (s0 * s0, s0.mul_add(s0, -(s0 * s0)));
+        for s in [s1, s2, s3] {
+            let square = s * s;
+            let next = sum - square;
+            let back = next - sum;
+            error += (sum - (next - back)) - (square + back) - s.mul_add(s, -square);
+            sum = next;
+        }
+        libm::scalbn(
+            (sum + error) / (s0 + libm::scalbn(polarized, -exponent)),
+            exponent,
+        )
+    }
+
+    /// Orientation of the polarization ellipse, `½ atan2(S2, S1)`, radians from `x` in `(-π/2, π/2]`, positive towards
+    /// `y`; 0 where there is no linear part.
+    ///
+    /// Source: Eq. (S4.11), with the quadrant that its printed arctangent loses. Error below 4e-16 for any state.
+    ///
+    /// ```
+    /// let light = stokes::StokesVector::new(1.0, 0.3, -0.2, 0.5);
+    /// assert!((light.orientation_angle() + 0.294_001_301_773_783_8).abs() < 1e-15);
+    /// ```
+    #[must_use]
+    pub fn orientation_angle(&self) -> f64 {
         if self.s1() == 0.0 && self.s2() == 0.0 {
             return 0.0;
         }
         let half = 0.5 * self.s2().atan2(self.s1());
+        // S2 = −0 and S2 below the rounding of π
+        if half > -FRAC_PI_2 { half } else { FRAC_PI_2 }
+    }
+
+    /// Angle of linear polarization, [`StokesVector::orientation_angle`] modulo π, in `[0, π)`; 0 where there is no
+    /// linear part.
+    ///
+    /// Error below 4e-16 for any state.
+    #[must_use]
+    pub fn angle_of_linear_polarization(&self) -> f64 {
+        let half = self.orientation_angle();
         let angle = if half < 0.0 { half + PI } else { half };
         // a negative angle below the rounding of π wraps to 0
         if angle < PI { angle } else { 0.0 }
@@ -151,7 +229,7 @@ impl StokesVector {
 mod tests {
     use super::*;
     use proptest::prelude::*;
-    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+    use std::f64::consts::FRAC_PI_4;
 
     /// Samples the real field `Re[(ax, ay e^{iφ}) e^{iωt}]` over a period: an oracle without Stokes parameters.
     fn field(ax: f64, ay: f64, phase: f64) -> Vec<[f64; 2]> {
@@ -248,7 +326,64 @@ mod tests {
         assert!((0.0..PI).contains(&angle));
     }
 
+    #[test]
+    fn orientation_keeps_the_quadrant() {
+        let angle = |s1: f64, s2: f64| StokesVector::new(1.0, s1, s2, 0.2).orientation_angle();
+        assert_eq!(angle(-0.5, 0.0), FRAC_PI_2);
+        assert_eq!(angle(-0.5, -0.0), FRAC_PI_2);
+        assert_eq!(angle(-0.5, -1e-300), FRAC_PI_2);
+        assert_eq!(angle(0.0, -0.5), -FRAC_PI_4);
+        assert_eq!(angle(-0.0, -0.0), 0.0);
+        // printed without its quadrant this would be −π/8
+        assert_eq!(angle(-0.3, 0.3), 3.0 * FRAC_PI_4 / 2.0);
+    }
+
+    #[test]
+    fn almost_polarized_light_keeps_its_smaller_eigenvalue() {
+        // Pythagorean quadruple 2² + 3² + 6² = 7²: exactly on the cone
+        let on_cone = StokesVector::new(7.0, 2.0, 3.0, 6.0);
+        assert_eq!(on_cone.unpolarized_intensity(), 0.0);
+        assert_eq!(on_cone.eigenvalues(), [7.0, 0.0]);
+        // 7 + e above it: S0 − p = e exactly, for any e that 7 + e still holds
+        for e in [1e-3, 1e-9, 8.0 * f64::EPSILON, -8.0 * f64::EPSILON] {
+            let s0 = 7.0 + e;
+            let unpolarized = StokesVector::new(s0, 2.0, 3.0, 6.0).unpolarized_intensity();
+            let expected = s0 - 7.0;
+            assert!((unpolarized / expected - 1.0).abs() <= 2.0 * f64::EPSILON);
+        }
+        // S3 → 0 and units in which no square is a number
+        for scale in [1e-250, 1.0, 1e300] {
+            let [larger, smaller] =
+                (StokesVector::new(1.0, 1.0, 0.0, 1e-9) * scale).eigenvalues();
+            // √(1 + 1e-18) = 1 + 5e-19
+            assert!((larger / scale - 1.0).abs() <= f64::EPSILON);
+            assert!((smaller / scale / -2.5e-19 - 1.0).abs() <= 8.0 * f64::EPSILON);
+        }
+        assert_eq!(StokesVector::DARK.eigenvalues(), [0.0, 0.0]);
+        // the mirror image in the cone's tip
+        let negative = StokesVector::new(-7.0 - 1e-9, 2.0, 3.0, 6.0).eigenvalues();
+        let positive = StokesVector::new(7.0 + 1e-9, 2.0, 3.0, 6.0).eigenvalues();
+        assert_eq!(negative, [-positive[1], -positive[0]]);
+    }
+
     proptest! {
+        #[test]
+        fn eigenvalues_are_those_of_the_coherency_matrix(
+            s in prop::array::uniform3(prop_oneof![-1.0..1.0f64, -1e-9..1e-9]),
+            above in prop_oneof![-1.0..2.0f64, -1e-12..1e-12, Just(0.0)],
+        ) {
+            let p = StokesVector::new(0.0, s[0], s[1], s[2]).polarized_intensity();
+            let light = StokesVector::new(p + above, s[0], s[1], s[2]);
+            let [larger, smaller] = light.eigenvalues();
+            // trace, and determinant xx·yy − |xy|² in an order of its own
+            let (xx, yy) = (0.5 * (light.s0() + s[0]), 0.5 * (light.s0() - s[0]));
+            let det = xx * yy - 0.25 * (s[1] * s[1] + s[2] * s[2]);
+            let scale = light.s0().abs() + p;
+            prop_assert!((larger + smaller - xx - yy).abs() <= 4.0 * f64::EPSILON * scale);
+            prop_assert!((larger * smaller - det).abs() <= 4.0 * f64::EPSILON * scale * scale);
+            prop_assert!(larger >= smaller);
+        }
+
         #[test]
         fn ellipse_and_vector_say_the_same(
             psi in 0.0..PI,
