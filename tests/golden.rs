@@ -12,12 +12,14 @@ use render::eval::schema::CaseFile;
 use render::eval::{self, Precision};
 use serde_json::{Value, json};
 
-const FILES: [&str; 5] = [
+const FILES: [&str; 7] = [
     "hermite1d",
     "phi_whitened",
     "sym_power",
     "cov_to_white",
     "overlap",
+    "wvd",
+    "observables",
 ];
 
 /// Operations that `--f32` computes in single precision.

@@ -353,8 +353,7 @@ mod tests {
         }
         // S3 → 0 and units in which no square is a number
         for scale in [1e-250, 1.0, 1e300] {
-            let [larger, smaller] =
-                (StokesVector::new(1.0, 1.0, 0.0, 1e-9) * scale).eigenvalues();
+            let [larger, smaller] = (StokesVector::new(1.0, 1.0, 0.0, 1e-9) * scale).eigenvalues();
             // √(1 + 1e-18) = 1 + 5e-19
             assert!((larger / scale - 1.0).abs() <= f64::EPSILON);
             assert!((smaller / scale / -2.5e-19 - 1.0).abs() <= 8.0 * f64::EPSILON);

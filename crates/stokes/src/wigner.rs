@@ -126,7 +126,8 @@ mod tests {
     ///
     /// `h_5` and its transform fall below 1e-16 at 9.5, and aliases are `2π/0.25 = 25` apart.
     fn grid() -> impl Iterator<Item = Vector2<f64>> {
-        (-40..=40).flat_map(|i| (-40..=40).map(move |j| Vector2::new(f64::from(i), f64::from(j)) * 0.25))
+        (-40..=40)
+            .flat_map(|i| (-40..=40).map(move |j| Vector2::new(f64::from(i), f64::from(j)) * 0.25))
     }
 
     const CELL: f64 = 0.25 * 0.25;
@@ -138,7 +139,13 @@ mod tests {
         let to_metres = 3.0 / k;
         let jacobian = to_metres * to_metres / light.shape().root_determinant() * CELL;
         let unit = light.radiance_unit();
-        for y in [[0.0, 0.0], [0.9, -0.4], [-0.9, 0.4], [-1.8, -2.1], [3.0, 0.5]] {
+        for y in [
+            [0.0, 0.0],
+            [0.9, -0.4],
+            [-0.9, 0.4],
+            [-1.8, -2.1],
+            [3.0, 0.5],
+        ] {
             // a wave vector where the function is not small
             let z = skew_root().transpose() * Vector2::new(y[0], y[1]);
             let zeta = z / to_metres;
@@ -155,7 +162,10 @@ mod tests {
             for (sum, found) in sums.iter().zip(found) {
                 // norms are below 2, and each of the 6561 terms carries a few roundings of its phase
                 assert!(sum.im.abs() < 1e-14 * unit, "{sum} {unit}");
-                assert!((sum.re - found).abs() < 1e-14 * unit, "{sum} {found} {unit}");
+                assert!(
+                    (sum.re - found).abs() < 1e-14 * unit,
+                    "{sum} {found} {unit}"
+                );
             }
             // none of the odd modes may be lost: the opposite wave vector differs
             let opposite = light.wigner(&-zeta).to_array();
@@ -177,7 +187,10 @@ mod tests {
         let mean = sum * (1.0 / (TAU * TAU));
         let stokes = light.stokes().stokes;
         let scale = light.shape().root_determinant().sqrt() / 0.16;
-        assert!((mean - stokes).to_vector().amax() < 1e-14 * scale, "{mean:?} {stokes:?}");
+        assert!(
+            (mean - stokes).to_vector().amax() < 1e-14 * scale,
+            "{mean:?} {stokes:?}"
+        );
         // and no component vanishes by which a factor could hide
         assert!(stokes.to_vector().amin() > 1e-2 * scale);
     }
@@ -210,13 +223,17 @@ mod tests {
         let factorial = |n: usize| (1..=n).map(|i| i as f64).product::<f64>();
         let real: Vec<f64> = crate::modes(order)
             .map(|(a, b)| {
-                let power = |x: f64, n: usize| (-x / 2f64.sqrt()).powi(n as i32) / factorial(n).sqrt();
+                let power =
+                    |x: f64, n: usize| (-x / 2f64.sqrt()).powi(n as i32) / factorial(n).sqrt();
                 power(t.x, a) * power(t.y, b) * (-0.25 * t.norm_squared()).exp()
             })
             .collect();
         let modes = HermiteSeries::from_real_coefficients(&real).unwrap();
         let light = light(
-            Components::Shared { modes, stokes: StokesVector::HORIZONTAL },
+            Components::Shared {
+                modes,
+                stokes: StokesVector::HORIZONTAL,
+            },
             root,
             r,
         );
@@ -225,7 +242,11 @@ mod tests {
         let xi = Vector2::new(40e-6, 90e-6);
         let phase = -(k / r) * m0.dot(&xi);
         let gamma = light.at_separation(&xi)[0] / light.stokes().stokes.s0();
-        assert!((gamma.arg() - phase).abs() < 1e-12, "{} {phase}", gamma.arg());
+        assert!(
+            (gamma.arg() - phase).abs() < 1e-12,
+            "{} {phase}",
+            gamma.arg()
+        );
         // its radiance is the Gaussian about +m0
         let centre = light.generalized_radiance(&m0).s0();
         for off in [[0.0, 0.0], [1e-3, 0.0], [-0.2e-3, 0.7e-3]] {
@@ -257,14 +278,18 @@ mod tests {
             let zeta = Vector2::new(6e3, 8e3);
             let u = (0.5 * (6e3 * r / k / spread).powi(2)) + 0.5 * (4e3 * r / k / spread).powi(2);
             let fall = 1.0 - light.wigner(&zeta).s0() / light.wigner(&Vector2::zeros()).s0();
-            assert!((fall + (-u).exp_m1()).abs() < 4.0 * f64::EPSILON, "{spread}: {fall} {u}");
+            assert!(
+                (fall + (-u).exp_m1()).abs() < 4.0 * f64::EPSILON,
+                "{spread}: {fall} {u}"
+            );
             assert!(spread < 1.0 || fall < 1e-6);
         }
         // with odd modes the fall is of first order: ten times the width, a tenth of it
         let fall = |spread: f64| {
             let light = light(lopsided(), Matrix2::from_diagonal_element(spread), r);
             let zeta = Vector2::new(6e3, 8e3);
-            (light.wigner(&zeta) - light.wigner(&Vector2::zeros())).to_vector() / light.radiance_unit()
+            (light.wigner(&zeta) - light.wigner(&Vector2::zeros())).to_vector()
+                / light.radiance_unit()
         };
         let (narrow, wide) = (fall(1.0), fall(10.0));
         assert!((narrow - wide * 10.0).amax() < 1e-2 * narrow.amax());

@@ -1,8 +1,11 @@
 //! Operations of the crate `stokes`: Hermite-Gauss functions, shapes, series, envelopes, observables.
 
-use nalgebra::DVector;
+use nalgebra::{DVector, Matrix2, Vector2, Vector3};
 use num_complex::Complex64;
-use stokes::{ShapeMatrix, hermite, symmetric_power, whitened_mode};
+use stokes::{
+    Components, Frame, GeneralizedStokes, HermiteSeries, MAX_ORDER, ShapeMatrix, StokesVector,
+    Wavelength, hermite, mode_count, mode_index, symmetric_power, whitened_mode,
+};
 
 use super::Precision;
 use super::schema::{CaseError, Entry, Item};
@@ -67,12 +70,12 @@ pub(super) fn cov_to_white(inputs: &Entry<'_>) -> Result<Item, CaseError> {
 /// `Sym^n(W) c` of the coefficients of one total order: real when they are.
 fn whitened(shape: &ShapeMatrix, n: usize, row: &Entry<'_>) -> Result<Item, CaseError> {
     let coefficients = row.list()?;
-    if n > stokes::MAX_ORDER || coefficients.len() != n + 1 {
+    if n > MAX_ORDER || coefficients.len() != n + 1 {
         return Err(row.refuse(format!(
             "found {} coefficients of order {n}, expected {} and an order of at most {}",
             coefficients.len(),
             n + 1,
-            stokes::MAX_ORDER
+            MAX_ORDER
         )));
     }
     let power = symmetric_power(shape.root(), n);
@@ -99,6 +102,103 @@ pub(super) fn overlap(inputs: &Entry<'_>) -> Result<Item, CaseError> {
         shape_with_root(inputs, "W2")?,
     );
     Ok(Item::value(stokes::overlap(first, &w1, second, &w2)))
+}
+
+pub(super) fn wvd(inputs: &Entry<'_>) -> Result<Item, CaseError> {
+    let light = one_component(inputs)?;
+    let zeta = in_axes_of_theta(inputs, "zeta")?;
+    Ok(Item::Group(vec![
+        ("W", joined(&light.wigner(&zeta)).into()),
+        ("intensity", joined(&light.stokes().stokes).into()),
+    ]))
+}
+
+pub(super) fn csd(inputs: &Entry<'_>) -> Result<Item, CaseError> {
+    let light = one_component(inputs)?;
+    let xi = in_axes_of_theta(inputs, "xi")?;
+    let [hermitian, rest, ..] = light.at_separation(&xi);
+    Ok(Item::Group(vec![(
+        "C",
+        (hermitian + Complex64::I * rest).into(),
+    )]))
+}
+
+/// Light whose first component is the Hermitian part `f` of the function with the covariant coefficients `modes`, whose second
+/// is `g` in the other part `i g`: the schema allows any complex coefficients, light does not.
+fn one_component(inputs: &Entry<'_>) -> Result<GeneralizedStokes, CaseError> {
+    let theta = inputs.get("Theta", MATRIX)?;
+    let shape = ShapeMatrix::from_theta(&theta.matrix()?).map_err(|e| theta.refuse(e))?;
+    let modes = inputs.get("modes", "a list of modes [n, m, c]")?;
+    let [hermitian, rest] = both_parts(&modes)?.map(|real| {
+        HermiteSeries::from_real_coefficients(&real)
+            .map(|covariant| Some(covariant.with_root_turned_by(shape.root())))
+            .map_err(|e| modes.refuse(e))
+    });
+    let wavelength = inputs.get("lambda", "a wavelength in metres")?;
+    let distance = inputs.get("r", "a distance in metres")?;
+    let frame =
+        Frame::with_x_along(Vector3::z(), Vector3::x()).expect("the axes are perpendicular");
+    GeneralizedStokes::new(
+        Components::Separate([hermitian?, rest?, None, None]),
+        shape,
+        frame,
+        Wavelength::from_metres(wavelength.number()?).map_err(|e| wavelength.refuse(e))?,
+        distance.number()?,
+    )
+    .map_err(|e| distance.refuse(e))
+}
+
+/// Real and imaginary parts of `(−i)^(n+m) c` of the modes `[n, m, c]`, for all modes in order.
+fn both_parts(modes: &Entry<'_>) -> Result<[Vec<f64>; 2], CaseError> {
+    let mut parts = [vec![0.0], vec![0.0]];
+    for mode in modes.list()? {
+        let [n, m, c] = mode.array()?;
+        let (n, m, c) = (n.order()?, m.order()?, c.complex()?);
+        if n + m > MAX_ORDER {
+            return Err(mode.refuse(format!("order {}, expected at most {MAX_ORDER}", n + m)));
+        }
+        let turned = match (n + m) % 4 {
+            0 => c,
+            1 => Complex64::new(c.im, -c.re),
+            2 => -c,
+            _ => Complex64::new(-c.im, c.re),
+        };
+        for (part, s) in parts.iter_mut().zip([turned.re, turned.im]) {
+            part.resize(part.len().max(mode_count(n + m)), 0.0);
+            part[mode_index(n, m)] += s;
+        }
+    }
+    Ok(parts)
+}
+
+fn joined(parts: &StokesVector) -> Complex64 {
+    Complex64::new(parts.s0(), parts.s1())
+}
+
+/// The vector under `key`, turned by `Q` into the axes in which Θ is written.
+fn in_axes_of_theta(inputs: &Entry<'_>, key: &str) -> Result<Vector2<f64>, CaseError> {
+    let q: Matrix2<f64> = inputs.get("Q", MATRIX)?.matrix()?;
+    Ok(q * inputs.get(key, "a list of two numbers")?.vector()?)
+}
+
+pub(super) fn observables(inputs: &Entry<'_>) -> Result<Item, CaseError> {
+    let [s0, s1, s2, s3] = inputs
+        .get("stokes", "a list of four numbers")?
+        .array()?
+        .map(|s| s.number());
+    let light = StokesVector::new(s0?, s1?, s2?, s3?);
+    let ellipse = light.ellipse();
+    Ok(Item::Group(vec![
+        ("I", light.intensity().into()),
+        ("DoP", light.degree_of_polarization().into()),
+        ("DoLP", light.degree_of_linear_polarization().into()),
+        ("DoCP", light.degree_of_circular_polarization().into()),
+        ("AoLP", light.orientation_angle().into()),
+        ("chi", light.ellipticity_angle().into()),
+        ("semi_major", ellipse.semi_major.into()),
+        ("semi_minor", ellipse.semi_minor.into()),
+        ("eig", light.eigenvalues().to_vec().into()),
+    ]))
 }
 
 const MATRIX: &str = "a matrix: a list of two rows of two numbers";

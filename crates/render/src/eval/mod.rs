@@ -77,6 +77,19 @@ pub const OPS: &[Op] = &[
         light::cov_to_white,
     ),
     Op::new("overlap", "a, b, n, m, W1, W2", "value", light::overlap),
+    Op::new(
+        "wvd",
+        "lambda, r, Theta, Q, modes, zeta",
+        "W, intensity",
+        light::wvd,
+    ),
+    Op::new("csd", "lambda, r, Theta, Q, modes, xi", "C", light::csd),
+    Op::new(
+        "observables",
+        "stokes",
+        "I, DoP, DoLP, DoCP, AoLP, chi, semi_major, semi_minor, eig",
+        light::observables,
+    ),
 ];
 
 /// The operation of that name.
