@@ -27,6 +27,7 @@ LINTED = ["validation", "scenes"]
 CHECKS = {
     "format": [*RUFF, "format", "--check", *LINTED],
     "lint": [*RUFF, "check", *LINTED],
+    "covariant": [str(PYTHON), "validation/covariant.py"],
     "interfaces": [str(PYTHON), "validation/interfaces.py"],
     "colour_path": [str(PYTHON), "validation/colour_path.py"],
     "fresnel_sphere": [str(PYTHON), "validation/fresnel_sphere.py"],

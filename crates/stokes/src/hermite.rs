@@ -120,23 +120,28 @@ impl Scaled {
     }
 }
 
-/// `π^(-1/4) e^(-t²/2)` for any argument, `None` where it is below 2^(-2^30) or the argument is not a number.
-fn scaled_gaussian(t: f64) -> Option<Scaled> {
+/// `e^(−(x + tail))` for any `x`, `None` where it is below 2^(-2^30) or the argument is not a number.
+pub(crate) fn scaled_exponential(x: f64, tail: f64) -> Option<Scaled> {
     // e^(-x) = 2^(-m) e^(-(x − m ln 2)), with ln 2 in two parts, the first exact in 33 bits
     const LN2_HEAD: f64 = 6.931_471_803_691_238e-1;
     const LN2_TAIL: f64 = 1.908_214_929_270_587_7e-10;
-    let square = t * t;
-    let x = 0.5 * square;
-    let x_tail = 0.5 * t.mul_add(t, -square);
     if x.is_nan() || x > 7e8 {
         return None;
     }
     let m = (x * std::f64::consts::LOG2_E).round();
-    let rest = (x - m * LN2_HEAD) - m * LN2_TAIL + x_tail;
+    let rest = (x - m * LN2_HEAD) - m * LN2_TAIL + tail;
     Some(Scaled {
-        mantissa: PI_FOURTH_ROOT_INVERSE * (-rest).exp(),
+        mantissa: (-rest).exp(),
         exponent: -(m as i32),
     })
+}
+
+/// `π^(-1/4) e^(-t²/2)` for any argument, `None` where [`scaled_exponential`] is.
+fn scaled_gaussian(t: f64) -> Option<Scaled> {
+    let square = t * t;
+    let mut gaussian = scaled_exponential(0.5 * square, 0.5 * t.mul_add(t, -square))?;
+    gaussian.mantissa *= PI_FOURTH_ROOT_INVERSE;
+    Some(gaussian)
 }
 
 /// Calls `take(n, h_n(t))` for n = 0..=order, with exponents, for any argument.

@@ -29,6 +29,9 @@
 //! | γ(ξ) = C0(ξ)/C0(0) | degree of coherence | 1 | [`GeneralizedStokes::degree_of_coherence`] |
 //! | 𝒫(ξ) | degree of cross-polarization | 1 | [`GeneralizedStokes::degree_of_cross_polarization`] |
 //! | ζ, Wd(ζ) | transverse wave vector, Wigner function | rad/m, unit of C · m² | [`GeneralizedStokes::wigner`] |
+//! | Ψ^Θ_nm, Ψ̃^Θ_nm | covariant Hermite-Gauss functions and their dual | length^(−n−m−1), length^(n+m−1) | [`covariant_mode`], (S1.2), (S1.3) |
+//! | č_nm | coefficients over the covariant family | see there | [`HermiteSeries::from_covariant`] |
+//! | A, B₁, t₁ | parts of an inverse log-Hessian | 1/m², 1/m², 1 | [`inverse_log_hessian`], (S2.14)–(S2.17) |
 //! | M | Mueller matrix | 1 | [`Mueller`] |
 //! | a, b, c, s | diattenuator and retarder on common axes | 1 | [`DiattenuatingRetarder`] |
 #![forbid(unsafe_code)]
@@ -36,8 +39,12 @@
 mod basis;
 mod beam;
 mod coherence;
+mod covariant;
+mod covariant_series;
+mod double;
 mod frame;
 mod hermite;
+mod log_hessian;
 mod mueller;
 mod observables;
 mod plane;
@@ -53,8 +60,10 @@ mod wigner;
 pub use basis::{all_modes, mode_count, mode_index, modes, whitened_mode};
 pub use beam::{Components, GeneralizedStokes, LEAST_FAR_FIELD, LightError, Loss};
 pub use coherence::{CoherenceEllipse, CoherenceError};
+pub use covariant::{Family, covariant_mode, covariant_mode_at_zero, covariant_mode_fourier};
 pub use frame::{Frame, FrameError, FrameRotation};
 pub use hermite::{MAX_ORDER, Real, hermite};
+pub use log_hessian::{inverse_log_hessian, inverse_of_sum, log_hessian};
 pub use mueller::{DiattenuatingRetarder, Mueller};
 pub use observables::{Handedness, PolarizationEllipse};
 pub use realizability::{Realizability, Violation};

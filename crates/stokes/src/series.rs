@@ -326,11 +326,11 @@ impl HermiteSeries {
 }
 
 /// The coefficients with a + b = n.
-fn total_order(real: &[f64], n: usize) -> &[f64] {
+pub(crate) fn total_order(real: &[f64], n: usize) -> &[f64] {
     &real[mode_index(n, 0)..mode_count(n)]
 }
 
-fn order_of(count: usize) -> Result<usize, SeriesError> {
+pub(crate) fn order_of(count: usize) -> Result<usize, SeriesError> {
     let mut order = 0;
     while mode_count(order) < count && order <= MAX_ORDER {
         order += 1;

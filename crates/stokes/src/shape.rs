@@ -77,6 +77,12 @@ pub enum ShapeError {
         /// The singular value.
         value: f64,
     },
+    /// An order is beyond what the functions are made for.
+    #[error("shape: a mode of order {order} along one axis, expected at most 256")]
+    Order {
+        /// The order.
+        order: usize,
+    },
     /// The function whose logarithm was to be differentiated vanishes.
     #[error(
         "shape: the function is {value} where its logarithm is differentiated, expected a finite number other than 0"
@@ -316,8 +322,23 @@ pub(crate) fn finite(m: &Matrix2<f64>, what: &'static str) -> Result<(), ShapeEr
     Ok(())
 }
 
+pub(crate) fn finite_vector(v: &Vector2<f64>, what: &'static str) -> Result<(), ShapeError> {
+    for (row, value) in v.iter().copied().enumerate() {
+        if !value.is_finite() {
+            let column = 0;
+            return Err(ShapeError::NotFinite {
+                what,
+                row,
+                column,
+                value,
+            });
+        }
+    }
+    Ok(())
+}
+
 /// The matrix, exactly symmetric, or what is wrong with it.
-fn positive_definite(
+pub(crate) fn positive_definite(
     m: &Matrix2<f64>,
     what: &'static str,
     expected: &'static str,
