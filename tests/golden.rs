@@ -12,13 +12,16 @@ use render::eval::schema::CaseFile;
 use render::eval::{self, Precision};
 use serde_json::{Value, json};
 
-const FILES: [&str; 7] = [
+const FILES: [&str; 10] = [
     "hermite1d",
     "phi_whitened",
     "sym_power",
     "cov_to_white",
     "overlap",
     "wvd",
+    "psi_covariant",
+    "psi_zero",
+    "ft_pair",
     "observables",
 ];
 

@@ -3,12 +3,14 @@
 use nalgebra::{DVector, Matrix2, Vector2, Vector3};
 use num_complex::Complex64;
 use stokes::{
-    Components, Frame, GeneralizedStokes, HermiteSeries, MAX_ORDER, ShapeMatrix, StokesVector,
-    Wavelength, hermite, mode_count, mode_index, symmetric_power, whitened_mode,
+    Components, Family, Frame, GeneralizedStokes, HermiteSeries, MAX_ORDER, ShapeMatrix,
+    StokesVector, Wavelength, covariant_mode, covariant_mode_at_zero, covariant_mode_fourier,
+    hermite, mode_count, mode_index, symmetric_power, whitened_mode,
 };
 
 use super::Precision;
-use super::schema::{CaseError, Entry, Item};
+use super::result::Item;
+use super::schema::{CaseError, Entry};
 
 pub(super) fn hermite1d(inputs: &Entry<'_>, precision: Precision) -> Result<Item, CaseError> {
     let n = order(inputs, "n")?;
@@ -34,7 +36,7 @@ fn in_single_precision(n: usize, t: f64) -> f64 {
 pub(super) fn phi(inputs: &Entry<'_>, precision: Precision) -> Result<Item, CaseError> {
     let (a, b) = (order(inputs, "a")?, order(inputs, "b")?);
     let shape = shape_with_root(inputs, "W")?;
-    let x = inputs.get("x", "a list of two numbers")?.vector()?;
+    let x = inputs.get("x", VECTOR)?.vector()?;
     Ok(Item::value(match precision {
         Precision::Double => whitened_mode(a, b, &shape, &x),
         Precision::Single => {
@@ -43,6 +45,39 @@ pub(super) fn phi(inputs: &Entry<'_>, precision: Precision) -> Result<Item, Case
             shape.root_determinant().sqrt() * along * across
         }
     }))
+}
+
+pub(super) fn psi(inputs: &Entry<'_>) -> Result<Item, CaseError> {
+    let (n, m) = (order(inputs, "n")?, order(inputs, "m")?);
+    let theta = inputs.get("Theta", MATRIX)?;
+    let x = inputs.get("x", VECTOR)?.vector()?;
+    covariant_mode(family(inputs)?, n, m, &theta.matrix()?, &x)
+        .map(Item::value)
+        .map_err(|e| theta.refuse(e))
+}
+
+pub(super) fn psi_zero(inputs: &Entry<'_>) -> Result<Item, CaseError> {
+    let (n, m) = (order(inputs, "n")?, order(inputs, "m")?);
+    let theta = inputs.get("Theta", MATRIX)?;
+    covariant_mode_at_zero(Family::Covariant, n, m, &theta.matrix()?)
+        .map(Item::value)
+        .map_err(|e| theta.refuse(e))
+}
+
+pub(super) fn ft_psi(inputs: &Entry<'_>) -> Result<Item, CaseError> {
+    let (n, m) = (order(inputs, "n")?, order(inputs, "m")?);
+    let theta = inputs.get("Theta", MATRIX)?;
+    let zeta = inputs.get("zeta", VECTOR)?.vector()?;
+    covariant_mode_fourier(family(inputs)?, n, m, &theta.matrix()?, &zeta)
+        .map(Item::value)
+        .map_err(|e| theta.refuse(e))
+}
+
+fn family(inputs: &Entry<'_>) -> Result<Family, CaseError> {
+    match inputs.find("dual")? {
+        Some(dual) if dual.flag()? => Ok(Family::Dual),
+        _ => Ok(Family::Covariant),
+    }
 }
 
 pub(super) fn sym_power(inputs: &Entry<'_>) -> Result<Item, CaseError> {
@@ -129,9 +164,9 @@ fn one_component(inputs: &Entry<'_>) -> Result<GeneralizedStokes, CaseError> {
     let theta = inputs.get("Theta", MATRIX)?;
     let shape = ShapeMatrix::from_theta(&theta.matrix()?).map_err(|e| theta.refuse(e))?;
     let modes = inputs.get("modes", "a list of modes [n, m, c]")?;
-    let [hermitian, rest] = both_parts(&modes)?.map(|real| {
-        HermiteSeries::from_real_coefficients(&real)
-            .map(|covariant| Some(covariant.with_root_turned_by(shape.root())))
+    let [hermitian, rest] = both_parts(&modes)?.map(|coefficients| {
+        HermiteSeries::from_covariant(&shape, &coefficients)
+            .map(Some)
             .map_err(|e| modes.refuse(e))
     });
     let wavelength = inputs.get("lambda", "a wavelength in metres")?;
@@ -148,24 +183,24 @@ fn one_component(inputs: &Entry<'_>) -> Result<GeneralizedStokes, CaseError> {
     .map_err(|e| distance.refuse(e))
 }
 
-/// Real and imaginary parts of `(−i)^(n+m) c` of the modes `[n, m, c]`, for all modes in order.
-fn both_parts(modes: &Entry<'_>) -> Result<[Vec<f64>; 2], CaseError> {
-    let mut parts = [vec![0.0], vec![0.0]];
+/// The coefficients of `f` and of `g` from the modes `[n, m, c]`, for all modes in order: real where n + m is even, imaginary
+/// where it is odd.
+fn both_parts(modes: &Entry<'_>) -> Result<[Vec<Complex64>; 2], CaseError> {
+    let mut parts = [vec![Complex64::ZERO], vec![Complex64::ZERO]];
     for mode in modes.list()? {
         let [n, m, c] = mode.array()?;
         let (n, m, c) = (n.order()?, m.order()?, c.complex()?);
         if n + m > MAX_ORDER {
             return Err(mode.refuse(format!("order {}, expected at most {MAX_ORDER}", n + m)));
         }
-        let turned = match (n + m) % 4 {
-            0 => c,
-            1 => Complex64::new(c.im, -c.re),
-            2 => -c,
-            _ => Complex64::new(-c.im, c.re),
+        let split = if (n + m) % 2 == 0 {
+            [c.re.into(), c.im.into()]
+        } else {
+            [Complex64::new(0.0, c.im), Complex64::new(0.0, -c.re)]
         };
-        for (part, s) in parts.iter_mut().zip([turned.re, turned.im]) {
-            part.resize(part.len().max(mode_count(n + m)), 0.0);
-            part[mode_index(n, m)] += s;
+        for (part, coefficient) in parts.iter_mut().zip(split) {
+            part.resize(part.len().max(mode_count(n + m)), Complex64::ZERO);
+            part[mode_index(n, m)] += coefficient;
         }
     }
     Ok(parts)
@@ -178,7 +213,7 @@ fn joined(parts: &StokesVector) -> Complex64 {
 /// The vector under `key`, turned by `Q` into the axes in which Θ is written.
 fn in_axes_of_theta(inputs: &Entry<'_>, key: &str) -> Result<Vector2<f64>, CaseError> {
     let q: Matrix2<f64> = inputs.get("Q", MATRIX)?.matrix()?;
-    Ok(q * inputs.get(key, "a list of two numbers")?.vector()?)
+    Ok(q * inputs.get(key, VECTOR)?.vector()?)
 }
 
 pub(super) fn observables(inputs: &Entry<'_>) -> Result<Item, CaseError> {
@@ -201,6 +236,7 @@ pub(super) fn observables(inputs: &Entry<'_>) -> Result<Item, CaseError> {
     ]))
 }
 
+const VECTOR: &str = "a list of two numbers";
 const MATRIX: &str = "a matrix: a list of two rows of two numbers";
 
 fn order(inputs: &Entry<'_>, key: &str) -> Result<usize, CaseError> {

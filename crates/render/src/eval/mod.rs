@@ -1,9 +1,11 @@
 //! Formulas of the theorem crates by name, for numbers that come from elsewhere: the table behind `brewster eval`.
 
 mod light;
+pub mod result;
 pub mod schema;
 
-use schema::{Case, CaseError, Entry, Item};
+use result::Item;
+use schema::{Case, CaseError, Entry};
 
 /// How the one-dimensional functions are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -69,6 +71,14 @@ impl Op {
 pub const OPS: &[Op] = &[
     Op::either("hermite1d", "n, t", "value", light::hermite1d),
     Op::either("phi", "a, b, W, x", "value", light::phi),
+    Op::new("psi", "n, m, Theta, x [, dual]", "value", light::psi),
+    Op::new("psi_zero", "n, m, Theta", "value", light::psi_zero),
+    Op::new(
+        "ft_psi",
+        "n, m, Theta, zeta [, dual]",
+        "value",
+        light::ft_psi,
+    ),
     Op::new("sym_power", "A, N", "matrix", light::sym_power),
     Op::new(
         "cov_to_white",

@@ -1,4 +1,4 @@
-//! The files of `brewster eval`: cases with decimal numbers in, results with 17 digits out.
+//! The cases of `brewster eval`: a file, its cases, and the values in them.
 //!
 //! A number is a decimal string or a JSON number and means the binary64 nearest to it; a complex number is
 //! `{"re": …, "im": …}`, a matrix a list of rows. What is wrong is named by its place in the case, such as
@@ -6,10 +6,10 @@
 
 use std::fmt;
 
-use nalgebra::{DMatrix, Matrix2, Vector2};
+use nalgebra::{Matrix2, Vector2};
 use num_complex::Complex64;
 use serde::Deserialize;
-use serde_json::{Map, Value, json};
+use serde_json::Value;
 use stokes::MAX_ORDER;
 
 /// The name that a file of cases bears under `schema`.
@@ -336,107 +336,5 @@ fn shown(value: &Value) -> String {
     match text.char_indices().nth(MOST) {
         Some((end, _)) => format!("{}…", &text[..end]),
         None => text,
-    }
-}
-
-/// A result: numbers in lists and groups.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Item {
-    /// A real number.
-    Real(f64),
-    /// A complex number.
-    Complex(Complex64),
-    /// Numbers in a row, or rows of them.
-    List(Vec<Item>),
-    /// Results by name.
-    Group(Vec<(&'static str, Item)>),
-}
-
-impl Item {
-    /// The one result `value`.
-    pub fn value(value: impl Into<Self>) -> Self {
-        Self::Group(vec![("value", value.into())])
-    }
-
-    /// The result in the schema's form.
-    ///
-    /// # Errors
-    ///
-    /// When a number is infinite or not a number.
-    pub fn to_json(&self) -> Result<Value, CaseError> {
-        self.at("")
-    }
-
-    fn at(&self, place: &str) -> Result<Value, CaseError> {
-        let real = |x: f64| {
-            if x.is_finite() {
-                Ok(decimal(x))
-            } else {
-                let key = place.to_owned();
-                Err(CaseError::NotFinite { key, value: x })
-            }
-        };
-        Ok(match self {
-            Self::Real(x) => real(*x)?.into(),
-            Self::Complex(z) => json!({"re": real(z.re)?, "im": real(z.im)?}),
-            Self::List(items) => items
-                .iter()
-                .enumerate()
-                .map(|(i, item)| item.at(&format!("{place}[{i}]")))
-                .collect::<Result<Value, _>>()?,
-            Self::Group(items) => {
-                let mut object = Map::new();
-                for (name, item) in items {
-                    let dot = if place.is_empty() { "" } else { "." };
-                    let value = item.at(&format!("{place}{dot}{name}"))?;
-                    object.insert((*name).to_owned(), value);
-                }
-                object.into()
-            }
-        })
-    }
-}
-
-/// A number with 17 significant digits, as C's `%.16e` prints it.
-fn decimal(x: f64) -> String {
-    let text = format!("{x:.16e}");
-    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
-    let (sign, digits) = match exponent.strip_prefix('-') {
-        Some(digits) => ('-', digits),
-        None => ('+', exponent),
-    };
-    format!("{mantissa}e{sign}{digits:0>2}")
-}
-
-impl From<f64> for Item {
-    fn from(x: f64) -> Self {
-        Self::Real(x)
-    }
-}
-
-impl From<Complex64> for Item {
-    fn from(z: Complex64) -> Self {
-        Self::Complex(z)
-    }
-}
-
-impl<T: Into<Item>> From<Vec<T>> for Item {
-    fn from(values: Vec<T>) -> Self {
-        Self::List(values.into_iter().map(Into::into).collect())
-    }
-}
-
-impl From<Matrix2<f64>> for Item {
-    fn from(m: Matrix2<f64>) -> Self {
-        vec![vec![m.m11, m.m12], vec![m.m21, m.m22]].into()
-    }
-}
-
-impl From<DMatrix<f64>> for Item {
-    fn from(m: DMatrix<f64>) -> Self {
-        m.row_iter()
-            .map(|row| row.iter().copied().collect::<Vec<_>>())
-            .collect::<Vec<_>>()
-            .into()
     }
 }
