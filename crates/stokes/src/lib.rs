@@ -33,6 +33,10 @@
 //! | č_nm | coefficients over the covariant family | see there | [`HermiteSeries::from_covariant`] |
 //! | A, B₁, t₁ | parts of an inverse log-Hessian | 1/m², 1/m², 1 | [`inverse_log_hessian`], (S2.14)–(S2.17) |
 //! | M | Mueller matrix | 1 | [`Mueller`] |
+//! | I(x), f(w) = F{I}(Pw) | intensity profile, its far field | any, × m² | [`Envelope`] |
+//! | P | a plane's axes seen along a ray | 1 | [`surface_projection`] |
+//! | D, W = D P | root of a profile's modes, of their shape | m | [`EnvelopeModes::in_direction`] |
+//! | μ_ab | modes of a profile's far field | – | [`EnvelopeModes`] |
 //! | a, b, c, s | diattenuator and retarder on common axes | 1 | [`DiattenuatingRetarder`] |
 #![forbid(unsafe_code)]
 
@@ -42,6 +46,7 @@ mod coherence;
 mod covariant;
 mod covariant_series;
 mod double;
+mod envelope;
 mod frame;
 mod hermite;
 mod log_hessian;
@@ -61,6 +66,10 @@ pub use basis::{all_modes, mode_count, mode_index, modes, whitened_mode};
 pub use beam::{Components, GeneralizedStokes, LEAST_FAR_FIELD, LightError, Loss};
 pub use coherence::{CoherenceEllipse, CoherenceError};
 pub use covariant::{Family, covariant_mode, covariant_mode_at_zero, covariant_mode_fourier};
+pub use envelope::{
+    Envelope, EnvelopeError, EnvelopeModes, GaussianPatch, GaussianPeak, MAX_PATCHES, ModeWidth,
+    Patches, surface_projection,
+};
 pub use frame::{Frame, FrameError, FrameRotation};
 pub use hermite::{MAX_ORDER, Real, hermite};
 pub use log_hessian::{inverse_log_hessian, inverse_of_sum, log_hessian};
