@@ -12,13 +12,15 @@ use render::eval::schema::CaseFile;
 use render::eval::{self, Precision};
 use serde_json::{Value, json};
 
-const FILES: [&str; 10] = [
+const FILES: [&str; 12] = [
     "hermite1d",
     "phi_whitened",
     "sym_power",
     "cov_to_white",
     "overlap",
     "wvd",
+    "projection",
+    "shape",
     "psi_covariant",
     "psi_zero",
     "ft_pair",

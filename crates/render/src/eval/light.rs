@@ -3,9 +3,9 @@
 use nalgebra::{DVector, Matrix2, Vector2, Vector3};
 use num_complex::Complex64;
 use stokes::{
-    Components, Family, Frame, GeneralizedStokes, HermiteSeries, MAX_ORDER, ShapeMatrix,
-    StokesVector, Wavelength, covariant_mode, covariant_mode_at_zero, covariant_mode_fourier,
-    hermite, mode_count, mode_index, symmetric_power, whitened_mode,
+    Components, Envelope, Family, Frame, GaussianPeak, GeneralizedStokes, HermiteSeries, MAX_ORDER,
+    ShapeMatrix, StokesVector, Wavelength, covariant_mode, covariant_mode_at_zero,
+    covariant_mode_fourier, hermite, mode_count, mode_index, symmetric_power, whitened_mode,
 };
 
 use super::Precision;
@@ -139,6 +139,85 @@ pub(super) fn overlap(inputs: &Entry<'_>) -> Result<Item, CaseError> {
     Ok(Item::value(stokes::overlap(first, &w1, second, &w2)))
 }
 
+pub(super) fn projection(inputs: &Entry<'_>) -> Result<Item, CaseError> {
+    /// Coefficients over the covariant family are asked for up to this order.
+    const COVARIANT: usize = 6;
+    let envelope = envelope(&inputs.get("I", ENVELOPE)?)?;
+    let p = inputs.get("P", MATRIX)?;
+    let shape = match inputs.find("W")? {
+        Some(_) => shape_with_root(inputs, "W")?,
+        None => envelope.shape(&p.matrix()?).map_err(|e| p.refuse(e))?,
+    };
+    let modes = envelope
+        .project(&p.matrix()?, &shape, order(inputs, "N")?)
+        .map_err(|e| p.refuse(e))?;
+    let coefficients: Vec<_> = stokes::modes(modes.order())
+        .map(|(a, b)| modes.coefficient(a, b))
+        .collect();
+    let white = by_order(&modes, |place| coefficients[place]);
+    let low = modes.truncated(COVARIANT).0;
+    let covariant = low.to_covariant(&shape);
+    Ok(Item::Group(vec![
+        ("W", (*shape.root()).into()),
+        ("Theta", shape.theta().into()),
+        ("white", white),
+        ("cov", by_order(&low, |place| covariant[place])),
+        ("f0", envelope.area().into()),
+    ]))
+}
+
+pub(super) fn shape(inputs: &Entry<'_>) -> Result<Item, CaseError> {
+    let envelope = envelope(&inputs.get("I", ENVELOPE)?)?;
+    let p = inputs.get("P", MATRIX)?;
+    let shape = envelope.shape(&p.matrix()?).map_err(|e| p.refuse(e))?;
+    Ok(Item::Group(vec![
+        ("Theta", shape.theta().into()),
+        ("minus_hessian", shape.covariance().into()),
+    ]))
+}
+
+/// The coefficients of a series in rows, one for each total order.
+fn by_order(series: &HermiteSeries, coefficient: impl Fn(usize) -> Complex64) -> Item {
+    let row = |n| (mode_index(n, 0)..mode_count(n)).map(&coefficient);
+    let rows = (0..=series.order()).map(|n| row(n).collect::<Vec<_>>());
+    rows.collect::<Vec<_>>().into()
+}
+
+/// An intensity profile of peak 1, or a sum of such.
+fn envelope(spec: &Entry<'_>) -> Result<Envelope, CaseError> {
+    let number = |key| spec.get(key, "a length in metres")?.number();
+    let kind = spec.get("kind", KINDS)?;
+    let made = match kind.word()? {
+        "gaussian" => Envelope::gaussian(&spec.get("S", MATRIX)?.matrix()?),
+        "rect" => Envelope::rectangle(number("hx")?, number("hy")?),
+        "disk" => Envelope::disk(number("radius")?),
+        "gaussian_mixture" => Envelope::mixture(&peaks(spec)?),
+        other => return Err(kind.refuse(format!("found '{other}', expected {KINDS}"))),
+    };
+    made.map_err(|e| spec.refuse(e))
+}
+
+fn peaks(mixture: &Entry<'_>) -> Result<Vec<GaussianPeak>, CaseError> {
+    let weights = mixture.get("weights", "a list of numbers")?.list()?;
+    let covariances = mixture.get("S_list", "a list of matrices")?;
+    let list = covariances.list()?;
+    if list.len() != weights.len() {
+        return Err(covariances.refuse(format!(
+            "found {} matrices for {} weights, expected one for each",
+            list.len(),
+            weights.len()
+        )));
+    }
+    let peak = |(weight, covariance): (&Entry<'_>, &Entry<'_>)| {
+        Ok(GaussianPeak {
+            peak: weight.number()?,
+            centre: Vector2::zeros(),
+            covariance: covariance.matrix()?,
+        })
+    };
+    weights.iter().zip(&list).map(peak).collect()
+}
+
 pub(super) fn wvd(inputs: &Entry<'_>) -> Result<Item, CaseError> {
     let light = one_component(inputs)?;
     let zeta = in_axes_of_theta(inputs, "zeta")?;
@@ -236,6 +315,8 @@ pub(super) fn observables(inputs: &Entry<'_>) -> Result<Item, CaseError> {
     ]))
 }
 
+const ENVELOPE: &str = "an intensity profile: an object with 'kind'";
+const KINDS: &str = "'gaussian', 'rect', 'disk' or 'gaussian_mixture'";
 const VECTOR: &str = "a list of two numbers";
 const MATRIX: &str = "a matrix: a list of two rows of two numbers";
 

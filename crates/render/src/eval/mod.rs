@@ -88,6 +88,13 @@ pub const OPS: &[Op] = &[
     ),
     Op::new("overlap", "a, b, n, m, W1, W2", "value", light::overlap),
     Op::new(
+        "projection",
+        "I, P, N [, W]",
+        "W, Theta, white, cov, f0",
+        light::projection,
+    ),
+    Op::new("shape", "I, P", "Theta, minus_hessian", light::shape),
+    Op::new(
         "wvd",
         "lambda, r, Theta, Q, modes, zeta",
         "W, intensity",
