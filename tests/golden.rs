@@ -220,6 +220,9 @@ fn unknown_operations_are_named_once_and_the_rest_is_computed() {
 fn a_wrong_case_is_named_and_the_rest_is_computed() {
     let phi = |root: Value, x: Value| json!({"id": "bad", "op": "phi", "inputs": {"a": 0, "b": 1, "W": root, "x": x}});
     let one = json!([["1", "0"], ["0", "1"]]);
+    let psi = |theta: Value, dual: Value| json!({"id": "bad", "op": "psi", "inputs": {"n": 0, "m": 1, "Theta": theta, "x": [0, 0], "dual": dual}});
+    let shape = |profile: Value| json!({"id": "bad", "op": "shape", "inputs": {"I": profile, "P": [[1, 0], [0, 1]]}});
+    let csd = |lambda: f64, r: f64, mode: Value| json!({"id": "bad", "op": "csd", "inputs": {"lambda": lambda, "r": r, "Theta": [[1, 0], [0, 1]], "Q": [[1, 0], [0, 1]], "modes": [mode], "xi": [0, 0]}});
     for (case, expected) in [
         (
             json!({"id": "bad", "op": "hermite1d", "inputs": {"n": 1}}),
@@ -276,6 +279,49 @@ fn a_wrong_case_is_named_and_the_rest_is_computed() {
         (
             json!({"id": "bad", "op": "sym_power", "inputs": {"A": [["1e200", 0], [0, 0]], "N": 2}}),
             "result 'matrix[0][0]' is inf, expected a finite number",
+        ),
+        (
+            psi(json!([[1, 2], [2, 1]]), json!(0)),
+            "key 'Theta': shape: the shape matrix Θ has eigenvalues 3 and -1, expected both positive",
+        ),
+        (
+            psi(json!([[1, 0], [0, 1]]), json!("maybe")),
+            "key 'dual': found \"maybe\", expected 0 or 1",
+        ),
+        (
+            shape(json!({"kind": "square", "hx": 1})),
+            "key 'I.kind': found 'square', expected 'gaussian', 'rect', 'disk' or 'gaussian_mixture'",
+        ),
+        (
+            shape(json!({"kind": "rect", "hx": 1})),
+            "key 'I.hy' is missing, expected a length in metres (shape takes I, P)",
+        ),
+        (
+            shape(json!({"kind": "disk", "radius": "-1"})),
+            "key 'I': envelope: the radius is -1, expected a length",
+        ),
+        (
+            shape(
+                json!({"kind": "gaussian_mixture", "weights": [1, 2], "S_list": [[[1, 0], [0, 1]]]}),
+            ),
+            "key 'I.S_list': found 1 matrices for 2 weights, expected one for each",
+        ),
+        (
+            json!({"id": "bad", "op": "projection", "inputs": {"I": {"kind": "disk", "radius": 1}, "P": [[1, 0], [0, 0]], "N": 2}}),
+            "key 'P': shape: condition number inf",
+        ),
+        (
+            csd(5e-7, 2.0, json!([200, 100, 1])),
+            "key 'modes[0]': order 300, expected at most 256",
+        ),
+        (csd(-5e-7, 2.0, json!([0, 0, 1])), "key 'lambda': "),
+        (
+            csd(5e-7, 1e-9, json!([0, 0, 1])),
+            "key 'r': light: distance 0.000000001 m at wavelength 0.0000005 m has k r = 0.0125",
+        ),
+        (
+            json!({"id": "bad", "op": "observables", "inputs": {"stokes": [1, 0, 0]}}),
+            "key 'stokes': found 3 values, expected 4",
         ),
         (
             json!({"id": "bad", "op": "cov_to_white", "inputs": {"W": [[1, 0], [0, 1]], "coeffs": [[1], [1, 2, 3]]}}),

@@ -331,3 +331,60 @@ fn shape_with_root(inputs: &Entry<'_>, key: &str) -> Result<ShapeMatrix, CaseErr
     let root = inputs.get(key, MATRIX)?;
     ShapeMatrix::from_root(&root.matrix()?).map_err(|problem| root.refuse(problem))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::eval::schema::Case;
+
+    #[test]
+    fn an_argument_between_two_single_numbers_is_not_rounded() {
+        // rounding t to f32 would change e^(−t²/2) by t·ulp/2 = 5e-6
+        let half_ulp = 2f64.powi(-21);
+        for t in [11.0 + half_ulp, -11.0 - half_ulp, 9.0 + 0.9 * half_ulp] {
+            let (found, expected) = (in_single_precision(0, t), hermite(0, t));
+            // the rounding of h_0 and that of the correction
+            let error = (found / expected - 1.0).abs();
+            assert!(error < 2.0 * f64::from(f32::EPSILON), "{t}: {error}");
+        }
+    }
+
+    #[test]
+    fn coefficients_that_are_not_hermitian_are_no_less_right() {
+        // λ = 2π m, so that k = 1 and with r = 100 m: w = ξ/100, and the whitened point of ζ is 100 ζ
+        let inputs = serde_json::json!({
+            "lambda": std::f64::consts::TAU, "r": 100, "Theta": [[1, 0], [0, 1]], "Q": [[0, 1], [1, 0]],
+            "modes": [[1, 0, {"re": 3, "im": 4}], [1, 0, -1], [0, 0, {"re": 0, "im": 1}]],
+            "xi": [20, 70], "zeta": [2e-3, 7e-3],
+        });
+        let case = Case {
+            id: String::new(),
+            op: String::new(),
+            inputs,
+        };
+        // Q swaps the axes: the first coordinate over Θ is 0.7, the second 0.2
+        let h = |n: usize| hermite(n, 0.7) * hermite(0, 0.2);
+        let (c10, c00) = (Complex64::new(2.0, 4.0), Complex64::I);
+        let close = |found: &Item, expected: Complex64| match found {
+            Item::Complex(found) => {
+                assert!(
+                    (found - expected).norm() < 8.0 * f64::EPSILON * expected.norm(),
+                    "{found} {expected}"
+                );
+            }
+            other => panic!("{other:?}"),
+        };
+        let entry = Entry::of(&case);
+        let Ok(Item::Group(found)) = csd(&entry) else {
+            panic!("no result");
+        };
+        close(&found[0].1, (c10 * h(1) + c00 * h(0)) / 1e4);
+        let Ok(Item::Group(found)) = wvd(&entry) else {
+            panic!("no result");
+        };
+        // (2π/k²) Σ (−i)^n c h, and C(0) = c_00/(√π r²)
+        let sum = -Complex64::I * c10 * h(1) + c00 * h(0);
+        close(&found[0].1, sum * std::f64::consts::TAU);
+        close(&found[1].1, c00 / std::f64::consts::PI.sqrt() / 1e4);
+    }
+}

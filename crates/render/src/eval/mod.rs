@@ -134,3 +134,31 @@ impl Op {
         .to_json()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_documentation_has_the_table() {
+        let text = include_str!("../../../../docs/eval.md");
+        let rows: Vec<_> = text
+            .lines()
+            .filter(|line| line.starts_with("| `"))
+            .collect();
+        assert_eq!(rows.len(), OPS.len());
+        for (op, row) in OPS.iter().zip(rows) {
+            assert!(
+                row.starts_with(&format!("| `{}` | `{}` |", op.name, op.inputs)),
+                "{row}"
+            );
+            for result in op.results.split(", ") {
+                assert!(
+                    row.split(|c: char| !c.is_alphanumeric() && c != '_')
+                        .any(|word| word == result),
+                    "{row}: {result}"
+                );
+            }
+        }
+    }
+}

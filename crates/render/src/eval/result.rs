@@ -107,3 +107,51 @@ impl From<DMatrix<f64>> for Item {
             .into()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_written_as_c_writes_them_and_read_back_the_same() {
+        for (x, text) in [
+            (0.0, "0.0000000000000000e+00"),
+            (-0.0, "-0.0000000000000000e+00"),
+            (1.0, "1.0000000000000000e+00"),
+            (0.1, "1.0000000000000001e-01"),
+            (-2.5e17, "-2.5000000000000000e+17"),
+            (5e-324, "4.9406564584124654e-324"),
+            (f64::MAX, "1.7976931348623157e+308"),
+        ] {
+            assert_eq!(decimal(x), text);
+            assert_eq!(text.parse::<f64>().unwrap().to_bits(), x.to_bits());
+        }
+    }
+
+    #[test]
+    fn a_number_that_is_none_is_refused_with_its_place() {
+        let nested =
+            |x: f64| Item::Group(vec![("rows", vec![vec![0.0, 1.0], vec![2.0, x]].into())]);
+        let rows = json!({"rows": [[decimal(0.0), decimal(1.0)], [decimal(2.0), decimal(3.0)]]});
+        assert_eq!(nested(3.0).to_json(), Ok(rows));
+        for x in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN] {
+            let said = nested(x).to_json().unwrap_err().to_string();
+            let expected = format!("result 'rows[1][1]' is {x}, expected a finite number");
+            assert!(said.starts_with(&expected), "{said}");
+        }
+        let complex = Item::value(Complex64::new(1.0, f64::NAN));
+        assert!(complex.to_json().is_err());
+    }
+
+    #[test]
+    fn matrices_are_written_by_rows() {
+        let [a, b, c, d] = [1.0, 2.0, 3.0, 4.0].map(decimal);
+        let expected = json!([[a, b], [c, d]]);
+        assert_eq!(
+            Item::from(Matrix2::new(1.0, 2.0, 3.0, 4.0)).to_json(),
+            Ok(expected.clone())
+        );
+        let large = DMatrix::from_row_slice(2, 2, &[1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(Item::from(large).to_json(), Ok(expected));
+    }
+}

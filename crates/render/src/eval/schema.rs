@@ -338,3 +338,101 @@ fn shown(value: &Value) -> String {
         None => text,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn case(inputs: &str) -> Case {
+        let text = format!(
+            "{{\"schema\": \"hg-oracle-1\", \"group\": \"g\", \"cases\": [{{\"id\": \"a\", \"op\": \"b\", \"err\": {{}}, \"inputs\": {inputs}}}]}}"
+        );
+        CaseFile::parse("test", text.as_bytes())
+            .unwrap()
+            .cases
+            .remove(0)
+    }
+
+    #[test]
+    fn every_spelling_means_the_nearest_number() {
+        // a plain reader of JSON misses these by a unit in the last place
+        for text in [
+            "2.2250738585072012e-308",
+            "9007199254740993",
+            "0.1",
+            "5.1241629831779156e-02",
+            "1.00000000000000011102230246251565404236316680908203125",
+            "123456789012345678901234567890",
+            "8.41E+21",
+        ] {
+            let expected: f64 = text.parse().unwrap();
+            for spelling in [text.to_owned(), format!("\"{text}\"")] {
+                let case = case(&format!("{{\"x\": {spelling}}}"));
+                let found = Entry::of(&case).get("x", "").unwrap().number();
+                assert_eq!(found, Ok(expected), "{spelling}");
+            }
+        }
+    }
+
+    #[test]
+    fn places_lead_to_the_value() {
+        let case = case(
+            r#"{"I": {"S_list": [[["1", "2"], ["3", {"re": 1}]]]}, "c": {"re": "1", "im": 2}, "r": "3"}"#,
+        );
+        let inputs = Entry::of(&case);
+        let matrix = &inputs
+            .get("I", "")
+            .unwrap()
+            .get("S_list", "")
+            .unwrap()
+            .list()
+            .unwrap()[0];
+        let said = matrix.matrix().unwrap_err().to_string();
+        assert!(
+            said.starts_with(
+                r#"key 'I.S_list[0][1][1]': found {"re":1}, expected a finite number"#
+            ),
+            "{said}"
+        );
+        let imaginary = matrix.list().unwrap()[1].list().unwrap()[1].complex();
+        assert_eq!(
+            imaginary.unwrap_err().to_string(),
+            "key 'I.S_list[0][1][1].im' is missing, expected a finite number"
+        );
+        let complex = |key| inputs.get(key, "").unwrap().complex();
+        assert_eq!(complex("c"), Ok(Complex64::new(1.0, 2.0)));
+        assert_eq!(complex("r"), Ok(Complex64::new(3.0, 0.0)));
+    }
+
+    #[test]
+    fn flags_are_truth_values_or_0_and_1() {
+        for (text, expected) in [
+            ("true", Some(true)),
+            ("0", Some(false)),
+            ("1", Some(true)),
+            ("\"1\"", Some(true)),
+            ("2", None),
+            ("\"yes\"", None),
+            ("null", None),
+        ] {
+            let case = case(&format!("{{\"dual\": {text}}}"));
+            let found = Entry::of(&case).get("dual", "").unwrap().flag();
+            assert_eq!(found.ok(), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn long_values_are_shortened_in_messages() {
+        let case = case(&format!("{{\"x\": \"{}\"}}", "ξ".repeat(100)));
+        let said = Entry::of(&case)
+            .get("x", "")
+            .unwrap()
+            .number()
+            .unwrap_err()
+            .to_string();
+        assert!(
+            said.contains("ξ…, expected") && said.chars().count() < 120,
+            "{said}"
+        );
+    }
+}
