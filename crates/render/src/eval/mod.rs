@@ -1,11 +1,14 @@
 //! Formulas of the theorem crates by name, for numbers that come from elsewhere: the table behind `brewster eval`.
 
+pub mod entry;
+mod functions;
 mod light;
 pub mod result;
 pub mod schema;
 
+use entry::Entry;
 use result::Item;
-use schema::{Case, CaseError, Entry};
+use schema::{Case, CaseError};
 
 /// How the one-dimensional functions are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -69,24 +72,24 @@ impl Op {
 
 /// All operations.
 pub const OPS: &[Op] = &[
-    Op::either("hermite1d", "n, t", "value", light::hermite1d),
-    Op::either("phi", "a, b, W, x", "value", light::phi),
-    Op::new("psi", "n, m, Theta, x [, dual]", "value", light::psi),
-    Op::new("psi_zero", "n, m, Theta", "value", light::psi_zero),
+    Op::either("hermite1d", "n, t", "value", functions::hermite1d),
+    Op::either("phi", "a, b, W, x", "value", functions::phi),
+    Op::new("psi", "n, m, Theta, x [, dual]", "value", functions::psi),
+    Op::new("psi_zero", "n, m, Theta", "value", functions::psi_zero),
     Op::new(
         "ft_psi",
         "n, m, Theta, zeta [, dual]",
         "value",
-        light::ft_psi,
+        functions::ft_psi,
     ),
-    Op::new("sym_power", "A, N", "matrix", light::sym_power),
+    Op::new("sym_power", "A, N", "matrix", functions::sym_power),
     Op::new(
         "cov_to_white",
         "W, coeffs",
         "coeffs_white, Theta",
-        light::cov_to_white,
+        functions::cov_to_white,
     ),
-    Op::new("overlap", "a, b, n, m, W1, W2", "value", light::overlap),
+    Op::new("overlap", "a, b, n, m, W1, W2", "value", functions::overlap),
     Op::new(
         "projection",
         "I, P, N [, W]",
