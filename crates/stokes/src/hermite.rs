@@ -275,6 +275,58 @@ mod tests {
     }
 
     #[test]
+    fn functions_are_orthonormal_and_satisfy_their_equation() {
+        // trapezoidal rule with step 1/16 out to 30: exact to rounding up to order 128
+        let points: Vec<f64> = (-480..=480).map(|i| f64::from(i) / 16.0).collect();
+        let mut table = vec![[0.0; 129]; points.len()];
+        for (t, values) in points.iter().zip(&mut table) {
+            fill(*t, values);
+        }
+        for (n, m) in [
+            (0, 0),
+            (0, 2),
+            (17, 17),
+            (40, 42),
+            (64, 64),
+            (63, 127),
+            (128, 128),
+            (128, 126),
+        ] {
+            let sum: f64 = table
+                .iter()
+                .map(|values| values[n] * values[m] / 16.0)
+                .sum();
+            let expected = if n == m { 1.0 } else { 0.0 };
+            assert!((sum - expected).abs() < 1e-14, "{n} {m}: {sum}");
+        }
+        // a lowering step from both sides: √(2n) h_{n−1} = t h_n + h_n′, the derivative by the raising step
+        for t in [0.3, 5.0, 11.0, 15.9] {
+            let mut h = [0.0; 130];
+            fill(t, &mut h);
+            for n in 1..128 {
+                let slope =
+                    (n as f64 / 2.0).sqrt() * h[n - 1] - ((n + 1) as f64 / 2.0).sqrt() * h[n + 1];
+                let scale = h[n - 1].abs().max(h[n + 1].abs()).max(h[n].abs()) * (n as f64).sqrt();
+                assert!(
+                    ((2.0 * n as f64).sqrt() * h[n - 1] - t * h[n] - slope).abs()
+                        < 32.0 * f64::EPSILON * scale
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn tiny_and_subnormal_arguments_are_as_good_as_zero() {
+        for t in [f64::MIN_POSITIVE, 5e-324, -1e-310, 1e-160] {
+            // h_1 = √2 t h_0 to first order, h_2 its value at 0
+            let first = 2f64.sqrt() * t * PI_FOURTH_ROOT_INVERSE;
+            assert!((hermite(1, t) - first).abs() <= 4.0 * f64::EPSILON * first.abs() + 5e-324);
+            assert_eq!(hermite(2, t), hermite(2, 0.0));
+            assert_eq!(hermite(3, -t), -hermite(3, t));
+        }
+    }
+
+    #[test]
     fn both_roads_to_a_value_agree_where_they_meet() {
         for n in [0, 1, 30, 64, 255, 256] {
             for t in [-36.9, -20.0, -1.5, 0.0, 0.3, 12.0, 36.999] {

@@ -142,6 +142,77 @@ mod tests {
     }
 
     #[test]
+    fn sums_of_products_are_right_where_they_cancel() {
+        // (2^27 + 1)(2^27 − 1) = 2^54 − 1 is no f64
+        let big = 2f64.powi(27);
+        assert_eq!(sum_of_products(big + 1.0, big - 1.0, -big, big), -1.0);
+        assert_eq!(sum_of_products(-big, big, big + 1.0, big - 1.0), -1.0);
+    }
+
+    #[test]
+    fn the_smaller_eigenvalue_keeps_its_digits_and_its_sign() {
+        // eigenvalues of [1 1−d; 1−d 1] are 2 − d and d
+        for d in [1e-3, 1e-9, 1e-15] {
+            let off = 1.0 - d;
+            let d = 1.0 - off;
+            for sign in [1.0, -1.0] {
+                let [large, small] = eigenvalues(&(sign * Matrix2::new(1.0, off, off, 1.0)));
+                let (far, near) = if sign > 0.0 {
+                    (large, small)
+                } else {
+                    (small, large)
+                };
+                assert!(
+                    (near / (sign * d) - 1.0).abs() < 4.0 * f64::EPSILON,
+                    "{d} {near}"
+                );
+                assert!((far / (sign * (2.0 - d)) - 1.0).abs() < 4.0 * f64::EPSILON);
+            }
+        }
+        // trace 0: a saddle
+        assert_eq!(eigenvalues(&Matrix2::new(3.0, 4.0, 4.0, -3.0)), [5.0, -5.0]);
+        assert_eq!(eigenvalues(&Matrix2::zeros()), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn singular_values_of_near_singular_matrices_keep_their_digits() {
+        // |m| = e² − … exactly as in the determinant above; the larger value is near 2
+        let e = 2f64.powi(-26);
+        for m in [
+            Matrix2::new(1.0 + e, 1.0, 1.0, 1.0 - e),
+            Matrix2::new(1.0, 1.0 - e, 1.0 + e, 1.0),
+        ] {
+            let SingularValues { values, .. } = singular_values(&m);
+            let expected = e * e / values[0];
+            assert!((values[0] - 2.0).abs() < e);
+            assert!(
+                (values[1] / expected - 1.0).abs() < 4.0 * f64::EPSILON,
+                "{values:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn singular_values_follow_the_size_of_a_matrix_from_subnormal_to_huge() {
+        let m = Matrix2::new(3.0, -1.0, 0.5, 2.0);
+        let SingularValues { values, .. } = singular_values(&m);
+        for exponent in [-1000, -500, 500, 1000] {
+            let scaled = m.map(|entry| libm::scalbn(entry, exponent));
+            let found = singular_values(&scaled).values;
+            for (found, value) in found.into_iter().zip(values) {
+                let value = libm::scalbn(value, exponent);
+                assert!(
+                    (found / value - 1.0).abs() < 8.0 * f64::EPSILON,
+                    "{exponent}"
+                );
+            }
+        }
+        // the smallest numbers of all: no digits, but no nonsense either
+        let tiny = singular_values(&Matrix2::from_diagonal_element(5e-324));
+        assert_eq!(tiny.values, [5e-324; 2]);
+    }
+
+    #[test]
     fn the_root_of_a_thin_matrix_squares_to_it() {
         for thin in [1e-2, 1e-6, 1e-12] {
             let (sin, cos) = 0.7f64.sin_cos();
@@ -150,11 +221,10 @@ mod tests {
             let symmetric = Matrix2::new(m.m11, m.m12, m.m12, m.m22);
             let root = symmetric_root(&symmetric);
             assert!((product(&root, &root) - symmetric).amax() < 4.0 * f64::EPSILON);
+            // each entry of the root is right to a few roundings, of which its determinant √thin keeps the difference
             let expected = determinant(&symmetric).sqrt();
-            assert!(
-                (determinant(&root) / expected - 1.0).abs()
-                    < 1e-3 * thin.sqrt() / thin * 1e-12 + 1e-9
-            );
+            let error = (determinant(&root) - expected).abs();
+            assert!(error < 8.0 * f64::EPSILON, "{thin}: {error}");
         }
     }
 

@@ -14,6 +14,7 @@
 use nalgebra::{DMatrix, Matrix2};
 
 use crate::basis::{mode_count, mode_index, modes};
+use crate::hermite::MAX_ORDER;
 use crate::plane::{self, SingularValues};
 use crate::series::HermiteSeries;
 use crate::shape::ShapeMatrix;
@@ -113,7 +114,8 @@ pub fn overlap(
 }
 
 impl HermiteSeries {
-    /// The same function by the modes of shape `to` up to `order`, and the L² norm of what they leave out.
+    /// The same function by the modes of shape `to` up to `order` (at most [`MAX_ORDER`]), and the L² norm of what
+    /// they leave out.
     ///
     /// `self` is a series over the shape `from`. Rounding error `order·ε` of the norm; the norm of the lost part is
     /// found to some per cent.
@@ -122,6 +124,7 @@ impl HermiteSeries {
     #[must_use]
     pub fn in_shape(&self, from: &ShapeMatrix, to: &ShapeMatrix, order: usize) -> (Self, f64) {
         const TAIL: usize = 32;
+        let order = order.min(MAX_ORDER);
         let change = Change::between(from, to);
         let straight = self.with_root_turned_by(&change.turn_old);
         let stretched = stretched(&straight, change.stretch, order);
@@ -216,6 +219,56 @@ mod tests {
             1.0 + 0.2 * d,
         ))
         .unwrap()
+    }
+
+    #[test]
+    fn overlaps_of_the_most_unlike_shapes_are_small_numbers_and_not_nonsense() {
+        // round Gaussians: 2 w1 w2/(w1² + w2²), and ⟨h_2|h_0⟩ = √S · (−C)/√2 on one axis with S, C = ±1 on the other
+        for [w1, w2] in [[1e-70, 1e70], [1e70, 1e-70], [1e-12, 1.0]] {
+            let [first, second] = [w1, w2]
+                .map(|w: f64| ShapeMatrix::from_root(&Matrix2::from_diagonal_element(w)).unwrap());
+            let ratio = w1.min(w2) / w1.max(w2);
+            let s = 2.0 * ratio / (1.0 + ratio * ratio);
+            let plain = overlap((0, 0), &first, (0, 0), &second);
+            assert!((plain / s - 1.0).abs() < 16.0 * f64::EPSILON, "{plain} {s}");
+            let c = (w2 - w1).signum();
+            let with_second = overlap((2, 0), &first, (0, 0), &second);
+            assert!((with_second / (-c * s / 2f64.sqrt()) - 1.0).abs() < 16.0 * f64::EPSILON);
+            let series = HermiteSeries::fundamental(1.0);
+            let (kept, lost) = series.in_shape(&first, &second, 8);
+            assert!((kept.norm().hypot(lost) - 1.0).abs() < 16.0 * f64::EPSILON);
+        }
+    }
+
+    #[test]
+    fn thin_shapes_of_one_direction_are_nearly_the_same() {
+        // axes of 1 and 1e-12: a turn by 1e-13 is a tenth of the angle of the thin axis
+        let thin = Matrix2::new(1.0, 0.0, 0.0, 1e12);
+        let turn = |angle: f64| Matrix2::new(1.0, -angle, angle, 1.0);
+        let [first, second] =
+            [0.0, 1e-13].map(|angle| ShapeMatrix::from_root(&(thin * turn(angle))).unwrap());
+        // W₂W₁⁻¹ = [1 −a/t; a t 1] with a t = 0.1: overlap of two Gaussians 2/√|1 + MᵀM| · √|M|
+        let m: Matrix2<f64> = Matrix2::new(1.0, -1e-25, 0.1, 1.0);
+        let expected = 2.0
+            / (Matrix2::identity() + m.transpose() * m)
+                .determinant()
+                .sqrt();
+        let found = overlap((0, 0), &first, (0, 0), &second);
+        assert!(
+            (found - expected).abs() < 16.0 * f64::EPSILON,
+            "{found} {expected}"
+        );
+    }
+
+    #[test]
+    fn an_order_beyond_the_highest_is_cut_to_it() {
+        let [from, to] = [1.0, 1.5].map(|v| ShapeMatrix::isotropic(v).unwrap());
+        let (series, lost) = HermiteSeries::fundamental(1.0).in_shape(&from, &to, 300);
+        assert_eq!(series.order(), MAX_ORDER);
+        assert!(lost < 1e-16);
+        let w = Vector2::new(0.3, -0.4);
+        let expected = HermiteSeries::fundamental(1.0).value(&from, &w);
+        assert!((series.value(&to, &w) - expected).norm() < 1e-14);
     }
 
     proptest! {

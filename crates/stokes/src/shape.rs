@@ -155,7 +155,7 @@ impl ShapeMatrix {
     /// When the matrix is not finite, not symmetric or not positive definite.
     pub fn from_covariance(covariance: &Matrix2<f64>) -> Result<Self, ShapeError> {
         let covariance = positive_definite(covariance, "covariance", "positive")?;
-        Self::from_root(&plane::symmetric_root(&covariance))
+        Self::from_root(&symmetric_root(&covariance))
     }
 
     /// The shape Θ itself, its root the symmetric one of `Θ⁻¹`.
@@ -168,8 +168,10 @@ impl ShapeMatrix {
     pub fn from_theta(theta: &Matrix2<f64>) -> Result<Self, ShapeError> {
         let theta = positive_definite(theta, "shape matrix Θ", "positive")?;
         // (√Θ)⁻¹, whose adjugate needs no difference
-        let root = plane::symmetric_root(&theta);
-        Self::from_root(&(plane::adjugate(&root) / plane::determinant(&theta).sqrt()))
+        let (unit, half) = unit(&theta);
+        let root = plane::symmetric_root(&unit);
+        let inverse = plane::adjugate(&root) / plane::determinant(&unit).sqrt();
+        Self::from_root(&inverse.map(|entry| libm::scalbn(entry, -half)))
     }
 
     /// The shape of the Gaussian that meets `f` at its centre, from the Hessian of `ln |f|` there: `Θ⁻¹ = −H`.
@@ -182,7 +184,7 @@ impl ShapeMatrix {
     /// When the Hessian is not finite, not symmetric or not negative definite (no maximum).
     pub fn from_log_hessian(hessian: &Matrix2<f64>) -> Result<Self, ShapeError> {
         let hessian = positive_definite(&-hessian, "negated Hessian of ln |f|", "positive")?;
-        Self::from_root(&plane::symmetric_root(&hessian))
+        Self::from_root(&symmetric_root(&hessian))
     }
 
     /// The shape with `Θ = variance · 1`.
@@ -292,6 +294,18 @@ impl ShapeMatrix {
     pub fn with_root_turned_by(&self, u: &Matrix2<f64>) -> Result<Self, ShapeError> {
         Self::from_root(&plane::product(u, &self.root))
     }
+}
+
+/// A matrix as `4^half` times one of size 1, whose determinant neither over- nor underflows.
+fn unit(m: &Matrix2<f64>) -> (Matrix2<f64>, i32) {
+    let half = libm::ilogb(m.amax()).div_euclid(2);
+    (m.map(|entry| libm::scalbn(entry, -2 * half)), half)
+}
+
+/// The symmetric root of a positive definite matrix of any size.
+fn symmetric_root(m: &Matrix2<f64>) -> Matrix2<f64> {
+    let (unit, half) = unit(m);
+    plane::symmetric_root(&unit).map(|entry| libm::scalbn(entry, half))
 }
 
 /// `mᵀm`, symmetric to the last bit.
