@@ -384,6 +384,22 @@ mod tests {
         }
 
         #[test]
+        fn near_the_cone_the_unpolarized_part_is_that_of_exact_arithmetic(
+            s in prop::array::uniform3(-(1i64 << 50)..1 << 50), above in -5i64..=5,
+        ) {
+            let [s1, s2, s3] = s.map(|s| s as f64);
+            let p = StokesVector::new(0.0, s1, s2, s3).polarized_intensity();
+            let s0 = p.round() as i64 + above;
+            let square = |s: i64| i128::from(s) * i128::from(s);
+            let form = square(s0) - s.map(square).iter().sum::<i128>();
+            let light = StokesVector::new(s0 as f64, s1, s2, s3);
+            let expected = form as f64 / (s0 as f64 + p);
+            // p, sum and quotient round once each, the form twice, and 1e-31 of S0 is left of its squares
+            let tolerance = 8.0 * f64::EPSILON * expected.abs() + 1e-31 * s0 as f64;
+            prop_assert!((light.unpolarized_intensity() - expected).abs() <= tolerance);
+        }
+
+        #[test]
         fn ellipse_and_vector_say_the_same(
             psi in 0.0..PI,
             chi in prop_oneof![-FRAC_PI_4..FRAC_PI_4, -1e-12..1e-12, Just(FRAC_PI_4)],

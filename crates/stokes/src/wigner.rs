@@ -176,6 +176,27 @@ mod tests {
     }
 
     #[test]
+    fn each_mode_is_its_transform_of_the_dual_shape() {
+        // (S3.3) mode by mode, through the public basis: (2π/k²) φ_ab((r/k) ζ; W^(−T))
+        for (a, b) in [(0, 0), (1, 0), (0, 3), (2, 1)] {
+            let mut real = vec![0.0; mode_count(a + b)];
+            real[crate::mode_index(a, b)] = 0.7;
+            let modes = HermiteSeries::from_real_coefficients(&real).unwrap();
+            let stokes = StokesVector::UNPOLARIZED;
+            let light = light(Components::Shared { modes, stokes }, skew_root(), 3.0);
+            let k = light.wavelength().wavenumber().radians_per_metre();
+            let z = Vector2::new(0.6e-3, -0.2e-3);
+            let dual = light.shape().fourier_dual();
+            let expected = 0.7 * TAU / (k * k) * crate::whitened_mode(a, b, &dual, &z);
+            let found = light.wigner(&(z * (k / 3.0))).s0();
+            assert!(
+                (found - expected).abs() < 1e-14 * light.radiance_unit(),
+                "{a} {b}"
+            );
+        }
+    }
+
+    #[test]
     fn the_integral_over_wave_vectors_is_the_stokes_vector() {
         let light = light(lopsided(), skew_root(), 0.4);
         let k = light.wavelength().wavenumber().radians_per_metre();
