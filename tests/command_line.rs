@@ -118,6 +118,7 @@ fn help_goes_to_standard_output() {
         ("maps --help", "--threshold"),
         ("compare --help", "--max-rmse"),
         ("inspect --help", "scene"),
+        ("eval --help", "--f32"),
         ("--version", "brewster"),
     ] {
         let output = place.run(arguments, 0);
@@ -179,6 +180,8 @@ fn wrong_options_exit_with_2_and_say_what_was_expected() {
         ("maps scene.xml", "scene.xml"),
         ("compare none.exr none.exr", "none.exr"),
         ("inspect none.xml", "none.xml: no such file"),
+        ("eval none.json", "none.json: cannot be read"),
+        ("eval", "CASES"),
     ] {
         let said = place.refused(arguments, 2);
         assert!(said.contains(expected), "brewster {arguments}: {said}");

@@ -4,6 +4,7 @@
 //! a difference fails beyond [`SIGMAS`] standard errors, which a right program exceeds with a probability below 1e-6
 //! in each number that is looked at, plus round-off where that is stated.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
@@ -227,4 +228,15 @@ pub fn brewster() -> Command {
         run.path().to_owned()
     });
     Command::new(program)
+}
+
+/// The results in an answer of `brewster eval`, by the ids of their cases.
+pub fn results_by_id(answer: &serde_json::Value) -> BTreeMap<String, &serde_json::Value> {
+    let mut results = BTreeMap::new();
+    for case in answer["cases"].as_array().into_iter().flatten() {
+        let id = case["id"].as_str().unwrap_or_default().to_owned();
+        let before = results.insert(id, &case["result"]);
+        assert!(before.is_none(), "an id for the second time: {case}");
+    }
+    results
 }

@@ -7,6 +7,7 @@ pub mod colour;
 pub mod compare;
 pub mod emitter;
 pub mod engine;
+pub mod eval;
 pub mod film;
 pub mod filter;
 pub mod geometry;

@@ -23,6 +23,8 @@ enum Task {
     Inspect(cli::inspect::Args),
     /// Compare two Stokes images, component by component
     Compare(cli::compare::Args),
+    /// Compute formulas of the theory on numbers from a file
+    Eval(cli::eval::Args),
 }
 
 fn main() -> ExitCode {
@@ -31,6 +33,7 @@ fn main() -> ExitCode {
         Task::Maps(args) => cli::maps::run(&args),
         Task::Inspect(args) => cli::inspect::run(&args),
         Task::Compare(args) => cli::compare::run(&args),
+        Task::Eval(args) => cli::eval::run(&args),
     };
     outcome.unwrap_or_else(|failure| {
         eprintln!("brewster: {failure}");

@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 pub mod compare;
+pub mod eval;
 pub mod inspect;
 pub mod maps;
 pub mod render;

@@ -1,0 +1,167 @@
+//! Formulas of the theorem crates by name, for numbers that come from elsewhere: the table behind `brewster eval`.
+
+pub mod entry;
+mod functions;
+mod light;
+pub mod result;
+pub mod schema;
+
+use entry::Entry;
+use result::Item;
+use schema::{Case, CaseError};
+
+/// How the one-dimensional functions are computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// In f64, as everything else.
+    #[default]
+    Double,
+    /// In f32, where there is such a road.
+    Single,
+}
+
+/// An operation.
+#[derive(Debug)]
+pub struct Op {
+    /// Its name in the cases.
+    pub name: &'static str,
+    /// The inputs it takes; those in brackets may be left out.
+    pub inputs: &'static str,
+    /// The results it returns.
+    pub results: &'static str,
+    run: Run,
+}
+
+#[derive(Debug)]
+enum Run {
+    /// Computed in f64.
+    Double(fn(&Entry<'_>) -> Result<Item, CaseError>),
+    /// Computed in either precision.
+    Either(fn(&Entry<'_>, Precision) -> Result<Item, CaseError>),
+}
+
+impl Op {
+    const fn new(
+        name: &'static str,
+        inputs: &'static str,
+        results: &'static str,
+        run: fn(&Entry<'_>) -> Result<Item, CaseError>,
+    ) -> Self {
+        Self {
+            name,
+            inputs,
+            results,
+            run: Run::Double(run),
+        }
+    }
+
+    const fn either(
+        name: &'static str,
+        inputs: &'static str,
+        results: &'static str,
+        run: fn(&Entry<'_>, Precision) -> Result<Item, CaseError>,
+    ) -> Self {
+        Self {
+            name,
+            inputs,
+            results,
+            run: Run::Either(run),
+        }
+    }
+}
+
+/// All operations.
+pub const OPS: &[Op] = &[
+    Op::either("hermite1d", "n, t", "value", functions::hermite1d),
+    Op::either("phi", "a, b, W, x", "value", functions::phi),
+    Op::new("psi", "n, m, Theta, x [, dual]", "value", functions::psi),
+    Op::new("psi_zero", "n, m, Theta", "value", functions::psi_zero),
+    Op::new(
+        "ft_psi",
+        "n, m, Theta, zeta [, dual]",
+        "value",
+        functions::ft_psi,
+    ),
+    Op::new("sym_power", "A, N", "matrix", functions::sym_power),
+    Op::new(
+        "cov_to_white",
+        "W, coeffs",
+        "coeffs_white, Theta",
+        functions::cov_to_white,
+    ),
+    Op::new("overlap", "a, b, n, m, W1, W2", "value", functions::overlap),
+    Op::new(
+        "projection",
+        "I, P, N [, W]",
+        "W, Theta, white, cov, f0",
+        light::projection,
+    ),
+    Op::new("shape", "I, P", "Theta, minus_hessian", light::shape),
+    Op::new(
+        "wvd",
+        "lambda, r, Theta, Q, modes, zeta",
+        "W, intensity",
+        light::wvd,
+    ),
+    Op::new("csd", "lambda, r, Theta, Q, modes, xi", "C", light::csd),
+    Op::new(
+        "observables",
+        "stokes",
+        "I, DoP, DoLP, DoCP, AoLP, chi, semi_major, semi_minor, eig",
+        light::observables,
+    ),
+];
+
+/// The operation of that name.
+#[must_use]
+pub fn find(name: &str) -> Option<&'static Op> {
+    OPS.iter().find(|op| op.name == name)
+}
+
+impl Op {
+    /// The result for the inputs of a case, in the schema's form.
+    ///
+    /// # Errors
+    ///
+    /// When an input is missing, of the wrong kind or out of its domain, or a result is not finite.
+    pub fn evaluate(
+        &self,
+        case: &Case,
+        precision: Precision,
+    ) -> Result<serde_json::Value, CaseError> {
+        let inputs = Entry::of(case);
+        match self.run {
+            Run::Double(run) => run(&inputs),
+            Run::Either(run) => run(&inputs, precision),
+        }?
+        .to_json()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_documentation_has_the_table() {
+        let text = include_str!("../../../../docs/eval.md");
+        let rows: Vec<_> = text
+            .lines()
+            .filter(|line| line.starts_with("| `"))
+            .collect();
+        assert_eq!(rows.len(), OPS.len());
+        for (op, row) in OPS.iter().zip(rows) {
+            assert!(
+                row.starts_with(&format!("| `{}` | `{}` |", op.name, op.inputs)),
+                "{row}"
+            );
+            for result in op.results.split(", ") {
+                assert!(
+                    row.split(|c: char| !c.is_alphanumeric() && c != '_')
+                        .any(|word| word == result),
+                    "{row}: {result}"
+                );
+            }
+        }
+    }
+}

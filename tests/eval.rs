@@ -1,0 +1,265 @@
+//! Claim: `brewster eval` says what is wrong with a file or a case, and computes the rest.
+#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
+
+use std::fs;
+use std::io::Write as _;
+use std::process::{Output, Stdio};
+
+use brewster_tests::{brewster, results_by_id};
+use serde_json::{Value, json};
+
+/// Runs `brewster eval -` with further arguments on a text.
+fn eval_text(text: &str, arguments: &[&str]) -> Output {
+    let mut child = brewster()
+        .args(["eval", "-"])
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut stdin = child.stdin.take().unwrap();
+    stdin.write_all(text.as_bytes()).unwrap();
+    drop(stdin);
+    child.wait_with_output().unwrap()
+}
+
+fn file_of(cases: &Value) -> String {
+    json!({"schema": "hg-oracle-1", "cases": cases}).to_string()
+}
+
+fn hermite(id: &str, n: Value, t: Value) -> Value {
+    json!({"id": id, "op": "hermite1d", "inputs": {"n": n, "t": t}})
+}
+
+/// Exit status, what was written to standard output and what was said.
+fn parts(output: &Output) -> (Option<i32>, Value, String) {
+    let said = String::from_utf8(output.stderr.clone()).unwrap();
+    assert!(!said.contains("panicked"), "{said}");
+    let value = serde_json::from_slice(&output.stdout).unwrap_or(Value::Null);
+    (output.status.code(), value, said)
+}
+
+#[test]
+fn numbers_are_strings_or_plain_and_come_back_with_17_digits() {
+    let cases = json!([
+        hermite("text", json!("0"), json!("1.0000000000000000e+00")),
+        hermite("plain", json!(0), json!(1.0)),
+        hermite("tiny", json!(0), json!("40")),
+    ]);
+    let (status, answer, said) = parts(&eval_text(&file_of(&cases), &[]));
+    assert_eq!((status, said.as_str()), (Some(0), ""));
+    let results = results_by_id(&answer);
+    assert_eq!(results["text"], results["plain"]);
+    // π^(-1/4) e^(-1/2) = 0.4555806720113325, to the digit that binary64 holds
+    let text = results["text"]["value"].as_str().unwrap();
+    assert!(text.starts_with("4.555806720113325") && text.ends_with("e-01") && text.len() == 22);
+    // below the smallest number
+    assert_eq!(results["tiny"]["value"], "0.0000000000000000e+00");
+}
+
+#[test]
+fn unknown_operations_are_named_once_and_the_rest_is_computed() {
+    let cases = json!([
+        {"id": "a", "op": "frobnicate", "inputs": {}},
+        hermite("b", json!(2), json!("0.5")),
+        {"id": "c", "op": "frobnicate", "inputs": {}},
+        {"id": "d", "op": "zap"},
+    ]);
+    let (status, answer, said) = parts(&eval_text(&file_of(&cases), &[]));
+    assert_eq!(status, Some(1));
+    assert_eq!(results_by_id(&answer).keys().collect::<Vec<_>>(), ["b"]);
+    assert_eq!(
+        said.lines().collect::<Vec<_>>(),
+        [
+            "brewster: standard input: unknown op 'frobnicate': 2 cases left out",
+            "brewster: standard input: unknown op 'zap': 1 case left out"
+        ]
+    );
+}
+
+#[test]
+fn a_wrong_case_is_named_and_the_rest_is_computed() {
+    let phi = |root: Value, x: Value| json!({"id": "bad", "op": "phi", "inputs": {"a": 0, "b": 1, "W": root, "x": x}});
+    let one = json!([["1", "0"], ["0", "1"]]);
+    let psi = |theta: Value, dual: Value| json!({"id": "bad", "op": "psi", "inputs": {"n": 0, "m": 1, "Theta": theta, "x": [0, 0], "dual": dual}});
+    let shape = |profile: Value| json!({"id": "bad", "op": "shape", "inputs": {"I": profile, "P": [[1, 0], [0, 1]]}});
+    let csd = |lambda: f64, r: f64, mode: Value| json!({"id": "bad", "op": "csd", "inputs": {"lambda": lambda, "r": r, "Theta": [[1, 0], [0, 1]], "Q": [[1, 0], [0, 1]], "modes": [mode], "xi": [0, 0]}});
+    for (case, expected) in [
+        (
+            json!({"id": "bad", "op": "hermite1d", "inputs": {"n": 1}}),
+            "key 't' is missing, expected a finite number (hermite1d takes n, t)",
+        ),
+        (
+            json!({"id": "bad", "op": "hermite1d"}),
+            "key 'inputs': found null, expected an object",
+        ),
+        (
+            json!({"id": "bad", "op": "hermite1d", "inputs": [1, 2]}),
+            "key 'inputs': found [1,2], expected an object",
+        ),
+        (
+            hermite("bad", json!(257), json!(0)),
+            "key 'n': order 257, expected at most 256",
+        ),
+        (
+            hermite("bad", json!(-1), json!(0)),
+            "key 'n': found -1, expected an order: a whole number, 0 or more",
+        ),
+        (
+            hermite("bad", json!(1.5), json!(0)),
+            "key 'n': found 1.5, expected an order",
+        ),
+        (
+            hermite("bad", json!(1), json!("NaN")),
+            "key 't': found \"NaN\", expected a finite number, plain or as a decimal string",
+        ),
+        (
+            hermite("bad", json!(1), json!("1e400")),
+            "key 't': found \"1e400\", expected a finite number",
+        ),
+        (
+            hermite("bad", json!(1), json!({"re": 0, "im": 0})),
+            "key 't': found {\"im\":0,\"re\":0}, expected a finite number",
+        ),
+        (
+            phi(json!([["1", "0"], ["0", "x"]]), json!(["0", "0"])),
+            "key 'W[1][1]': found \"x\", expected a finite number",
+        ),
+        (
+            phi(json!([["1", "0"]]), json!(["0", "0"])),
+            "key 'W': found 1 values, expected 2",
+        ),
+        (
+            phi(json!([["1", "1"], ["1", "1"]]), json!(["0", "0"])),
+            "key 'W': shape: condition number inf of Θ, expected at most 1e24",
+        ),
+        (
+            phi(one, json!(["0", "0", "0"])),
+            "key 'x': found 3 values, expected 2",
+        ),
+        (
+            json!({"id": "bad", "op": "sym_power", "inputs": {"A": [["1e200", 0], [0, 0]], "N": 2}}),
+            "result 'matrix[0][0]' is inf, expected a finite number",
+        ),
+        (
+            psi(json!([[1, 2], [2, 1]]), json!(0)),
+            "key 'Theta': shape: the shape matrix Θ has eigenvalues 3 and -1, expected both positive",
+        ),
+        (
+            psi(json!([[1, 0], [0, 1]]), json!("maybe")),
+            "key 'dual': found \"maybe\", expected 0 or 1",
+        ),
+        (
+            shape(json!({"kind": "square", "hx": 1})),
+            "key 'I.kind': found 'square', expected 'gaussian', 'rect', 'disk' or 'gaussian_mixture'",
+        ),
+        (
+            shape(json!({"kind": "rect", "hx": 1})),
+            "key 'I.hy' is missing, expected a length in metres (shape takes I, P)",
+        ),
+        (
+            shape(json!({"kind": "disk", "radius": "-1"})),
+            "key 'I': envelope: the radius is -1, expected a length",
+        ),
+        (
+            shape(
+                json!({"kind": "gaussian_mixture", "weights": [1, 2], "S_list": [[[1, 0], [0, 1]]]}),
+            ),
+            "key 'I.S_list': found 1 matrices for 2 weights, expected one for each",
+        ),
+        (
+            json!({"id": "bad", "op": "projection", "inputs": {"I": {"kind": "disk", "radius": 1}, "P": [[1, 0], [0, 0]], "N": 2}}),
+            "key 'P': shape: condition number inf",
+        ),
+        (
+            csd(5e-7, 2.0, json!([200, 100, 1])),
+            "key 'modes[0]': order 300, expected at most 256",
+        ),
+        (csd(-5e-7, 2.0, json!([0, 0, 1])), "key 'lambda': "),
+        (
+            csd(5e-7, 1e-9, json!([0, 0, 1])),
+            "key 'r': light: distance 0.000000001 m at wavelength 0.0000005 m has k r = 0.0125",
+        ),
+        (
+            json!({"id": "bad", "op": "observables", "inputs": {"stokes": [1, 0, 0]}}),
+            "key 'stokes': found 3 values, expected 4",
+        ),
+        (
+            json!({"id": "bad", "op": "cov_to_white", "inputs": {"W": [[1, 0], [0, 1]], "coeffs": [[1], [1, 2, 3]]}}),
+            "key 'coeffs[1]': found 3 coefficients of order 1, expected 2",
+        ),
+    ] {
+        let text = file_of(&json!([case, hermite("good", json!(0), json!(0))]));
+        let (status, answer, said) = parts(&eval_text(&text, &[]));
+        assert_eq!(status, Some(1), "{said}");
+        assert_eq!(results_by_id(&answer).keys().collect::<Vec<_>>(), ["good"]);
+        let op = case["op"].as_str().unwrap();
+        let place = format!("brewster: standard input: case 'bad' ({op}): {expected}");
+        assert!(said.starts_with(&place), "found {said}expected {place}");
+        assert_eq!(said.lines().count(), 1, "{said}");
+    }
+}
+
+#[test]
+fn a_file_that_is_no_case_file_is_refused_with_its_place() {
+    for (text, expected) in [
+        ("", "standard input:1:0: "),
+        (
+            "{\"schema\": \"hg-oracle-1\",\n  oops}",
+            "standard input:2:3: ",
+        ),
+        (
+            "{\"schema\": \"hg-oracle-2\", \"cases\": []}",
+            "standard input:1:24: 'schema' is \"hg-oracle-2\", expected \"hg-oracle-1\"",
+        ),
+        (
+            "{\"cases\": []}",
+            "standard input:1:13: missing field `schema`",
+        ),
+        (
+            "{\"schema\": \"hg-oracle-1\", \"cases\": {}}",
+            "standard input:1:35: invalid type: map, expected a sequence",
+        ),
+        (
+            "{\"schema\": \"hg-oracle-1\", \"cases\": [{\"op\": \"phi\"}]}",
+            "standard input:1:49: missing field `id`",
+        ),
+        (
+            "{\"schema\": \"hg-oracle-1\", \"cases\": [{\"id\": \"a\", \"op\": \"x\"}, {\"id\": \"a\", \"op\": \"x\"}]}",
+            "standard input: cases 1 and 2 have the same id 'a'",
+        ),
+    ] {
+        let (status, answer, said) = parts(&eval_text(text, &[]));
+        assert_eq!((status, answer), (Some(2), Value::Null), "{text}");
+        assert!(
+            said.starts_with(&format!("brewster: {expected}")),
+            "{text}: {said}"
+        );
+    }
+    let output = brewster().args(["eval", "no/such.json"]).output().unwrap();
+    let (status, _, said) = parts(&output);
+    assert_eq!(status, Some(2));
+    assert!(said.starts_with("brewster: no/such.json: cannot be read"));
+}
+
+#[test]
+fn results_are_written_whole_or_not_at_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("results.json");
+    let text = file_of(&json!([hermite("a", json!(0), json!(0))]));
+    let output = eval_text(&text, &["-o", path.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(0));
+    assert!(output.stdout.is_empty());
+    let written: Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
+    // h_0(0) = π^(-1/4)
+    assert_eq!(
+        written,
+        json!({"cases": [{"id": "a", "result": {"value": "7.5112554446494251e-01"}}]})
+    );
+    let elsewhere = folder.path().join("no/such/results.json");
+    let (status, _, said) = parts(&eval_text(&text, &["-o", elsewhere.to_str().unwrap()]));
+    assert_eq!(status, Some(1));
+    assert!(said.contains("cannot be written"), "{said}");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+}

@@ -1,0 +1,193 @@
+//! Claim: `brewster eval` finds the numbers of an independent implementation, and no damage to its file makes it panic.
+#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::PathBuf;
+
+use brewster_tests::{brewster, repository, results_by_id};
+use render::eval::schema::CaseFile;
+use render::eval::{self, Precision};
+use serde_json::{Value, json};
+
+const FILES: [&str; 12] = [
+    "hermite1d",
+    "phi_whitened",
+    "sym_power",
+    "cov_to_white",
+    "overlap",
+    "wvd",
+    "projection",
+    "shape",
+    "psi_covariant",
+    "psi_zero",
+    "ft_pair",
+    "observables",
+];
+
+/// Operations that `--f32` computes in single precision.
+const SINGLE: [&str; 2] = ["hermite1d", "phi"];
+
+fn golden(file: &str) -> PathBuf {
+    repository().join(format!("tests/golden/{file}.json"))
+}
+
+/// The numbers under a key by place; a complex number is two.
+fn numbers(value: &Value, place: &str, into: &mut BTreeMap<String, f64>) {
+    match value {
+        Value::Object(object) => {
+            for (key, value) in object {
+                numbers(value, &format!("{place}/{key}"), into);
+            }
+        }
+        Value::Array(list) => {
+            for (i, value) in list.iter().enumerate() {
+                numbers(value, &format!("{place}/{i}"), into);
+            }
+        }
+        Value::String(text) => {
+            into.insert(place.to_owned(), text.parse().unwrap());
+        }
+        other => panic!("{place}: {other} is no decimal string"),
+    }
+}
+
+fn flat(value: &Value) -> BTreeMap<String, f64> {
+    let mut map = BTreeMap::new();
+    numbers(value, "", &mut map);
+    map
+}
+
+/// How far `found` is from `expected`, and the scale of the latter: largest moduli over the places of a key.
+fn distance(found: &Value, expected: &Value) -> (f64, f64) {
+    let (found, expected) = (flat(found), flat(expected));
+    assert!(
+        found.keys().eq(expected.keys()),
+        "found {found:?}, expected {expected:?}"
+    );
+    let most = |numbers: &mut dyn Iterator<Item = f64>| numbers.fold(0.0, f64::max);
+    let difference = most(&mut expected.iter().map(|(place, e)| {
+        let difference = (found[place] - e).abs();
+        assert!(difference.is_finite(), "{place}: {}", found[place]);
+        difference
+    }));
+    (difference, most(&mut expected.values().map(|e| e.abs())))
+}
+
+/// Runs the program on a golden file and checks every number in its answer.
+fn check(file: &str, single: bool) {
+    let text = fs::read_to_string(golden(file)).unwrap();
+    let cases: Value = serde_json::from_str(&text).unwrap();
+    let mut command = brewster();
+    command.arg("eval").arg(golden(file));
+    if single {
+        command.arg("--f32");
+    }
+    let output = command.output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{file}: {said}");
+    assert!(said.is_empty(), "{file}: {said}");
+    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let results = results_by_id(&answer);
+    let cases = cases["cases"].as_array().unwrap();
+    assert_eq!(
+        results.len(),
+        cases.len(),
+        "{file}: one result for each case"
+    );
+    for case in cases {
+        let id = case["id"].as_str().unwrap();
+        for (key, expected) in case["expected"].as_object().unwrap() {
+            let found = results[id]
+                .get(key)
+                .unwrap_or_else(|| panic!("{id}: no {key}"));
+            if key == "cov" {
+                continue;
+            }
+            let (difference, scale) = distance(found, expected);
+            let limit = if single && SINGLE.contains(&case["op"].as_str().unwrap()) {
+                if scale >= 1e-30 { 2e-5 * scale } else { 1e-6 }
+            } else {
+                let sensitivity = &case["err"]["one_ulp_input_sensitivity"][key];
+                let sensitivity: f64 = sensitivity.as_str().map_or(0.0, |s| s.parse().unwrap());
+                (1e-12 + 64.0 * sensitivity) * scale.max(1e-290)
+            };
+            assert!(
+                difference <= limit,
+                "{id} {key}: off by {difference:e}, limit {limit:e}"
+            );
+        }
+    }
+}
+
+#[test]
+fn every_golden_number_is_found() {
+    for file in FILES {
+        check(file, false);
+    }
+}
+
+#[test]
+fn every_golden_number_is_found_in_single_precision() {
+    for file in FILES {
+        check(file, true);
+    }
+}
+
+/// One small case of every operation, taken from the golden files.
+fn one_case_each() -> String {
+    let mut cases = BTreeMap::new();
+    for file in FILES {
+        let text = fs::read_to_string(golden(file)).unwrap();
+        let golden: Value = serde_json::from_str(&text).unwrap();
+        for case in golden["cases"].as_array().unwrap() {
+            let case = json!({"id": case["id"], "op": case["op"], "inputs": case["inputs"]});
+            let op = case["op"].as_str().unwrap().to_owned();
+            cases.entry(op).or_insert(case);
+        }
+    }
+    assert_eq!(
+        cases.keys().cloned().collect::<Vec<_>>(),
+        {
+            let mut names: Vec<_> = eval::OPS.iter().map(|op| op.name.to_owned()).collect();
+            names.sort();
+            names
+        },
+        "every operation has a golden file"
+    );
+    let cases: Value = cases.into_values().collect();
+    json!({"schema": "hg-oracle-1", "cases": cases}).to_string()
+}
+
+#[test]
+fn no_damage_to_a_file_makes_a_panic_or_a_number_that_is_none() {
+    let text = one_case_each();
+    let try_out = |bytes: &[u8]| {
+        let Ok(file) = CaseFile::parse("damaged", bytes) else {
+            return;
+        };
+        for case in &file.cases {
+            let Some(op) = eval::find(&case.op) else {
+                continue;
+            };
+            for precision in [Precision::Double, Precision::Single] {
+                if let Ok(result) = op.evaluate(case, precision) {
+                    assert!(flat(&result).values().all(|x| x.is_finite()), "{case:?}");
+                }
+            }
+        }
+    };
+    try_out(text.as_bytes());
+    for end in 0..text.len() {
+        assert!(CaseFile::parse("cut", &text.as_bytes()[..end]).is_err());
+    }
+    let mut bytes = text.into_bytes();
+    for place in 0..bytes.len() {
+        let whole = bytes[place];
+        // each place gets one of these, each of these gets every kind of place
+        let damage = b"0-9\"e{[,nx}]:\xff 1."[place % 17];
+        bytes[place] = damage;
+        try_out(&bytes);
+        bytes[place] = whole;
+    }
+}
