@@ -34,7 +34,7 @@ def orthonormal_on_the_line(program: Program) -> Rows:
 
 def orthonormal_in_the_plane(program: Program) -> Rows:
     """∫ φ_ab φ_cd d²x = δ, by a Gauss rule that is exact for these orders."""
-    order = 8
+    order = 6
     y, weight = gauss_grid(order + 3)
     pairs = modes(order)
     cases: list[Case] = []
@@ -103,7 +103,7 @@ def generating_function(program: Program) -> Rows:
 def fourier_pair(program: Program) -> Rows:
     """F{Ψ}(ζ) and F{Ψ̃}(ζ) by quadrature of Ψ and Ψ̃."""
     pairs = [(0, 0), (1, 0), (0, 1), (2, 1), (1, 3), (4, 2)]
-    y, weight = grid(9.5, 0.55)
+    y, weight = grid(10.0, 0.55)
     rng = np.random.default_rng(2)
     for name in ("cond 30", "cond 1e4"):
         theta = SHAPES[name]

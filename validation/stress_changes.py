@@ -11,19 +11,19 @@ from stress import Expected, Question, from_inputs, root, rounding, shape, varie
 
 
 def overlap_questions(full: bool) -> Iterator[Question]:
-    """⟨φ_ab(·; W1)|φ_nm(·; W2)⟩ for thin and for very different shapes, every mode up to 4 + 4.
+    """⟨φ_ab(·; W1)|φ_nm(·; W2)⟩ for thin and for very different shapes, up to order 3 or 5.
 
     Modes of one total order mix with those of that order: the scale is the norm of their block.
     """
     rng = np.random.default_rng(21)
-    order = 4
+    order = 5 if full else 3
     conditions = [(1.0, 1.0), (1e2, 1.0), (1e4, 1e4), (1e8, 1.0), (1e8, 1e8), (1e12, 1e12)]
     ratios = [1.0, 1e3, 1e-9, 1e9]
     for (first, second), ratio in [(c, r) for c in conditions for r in ratios]:
         for _ in range(4 if full else 1):
             size = 10.0 ** rng.uniform(-6, 6)
             w1, w2 = root(rng, first, size), root(rng, second, size * ratio)
-            with mp.workdps(120):
+            with mp.workdps(90):
                 yield from ask_overlaps(
                     w1, w2, order, f"overlap, cond Θ {first:.0e} | {second:.0e}"
                 )
@@ -31,12 +31,12 @@ def overlap_questions(full: bool) -> Iterator[Question]:
     for condition in (1e4, 1e8, 1e12):
         w1 = root(rng, condition, 1.0)
         for w2 in (w1, w1 * (1 + 1e-15), w1 @ turn(1e-9), turn(0.3) @ w1):
-            with mp.workdps(120):
+            with mp.workdps(90):
                 yield from ask_overlaps(w1, w2, order, f"overlap, nearly the same, {condition:.0e}")
 
 
 def ask_overlaps(w1: np.ndarray, w2: np.ndarray, order: int, region: str) -> Iterator[Question]:
-    """Yield a question for every third pair of modes up to `order`."""
+    """Yield a question for every second pair of modes up to `order`."""
 
     def table(v: list[Any]) -> hg.Table:
         return hg.overlap_table([v[:2], v[2:4]], [v[4:6], v[6:8]], [order] * 4)
@@ -46,7 +46,7 @@ def ask_overlaps(w1: np.ndarray, w2: np.ndarray, order: int, region: str) -> Ite
     for (a, b, n, m), value in values.items():
         block[a + b, n + m] = block.get((a + b, n + m), 0) + value**2
     chosen = [p for p in values if p[0] + p[1] <= order and p[2] + p[3] <= order]
-    for a, b, n, m in chosen[::3]:
+    for a, b, n, m in chosen[::2]:
         value, change = values[a, b, n, m], changes[a, b, n, m]
         scale = mp.sqrt(block[a + b, n + m]) + change
         expected = Expected(value, scale, change, rounding(a + b + n + m))
@@ -55,34 +55,27 @@ def ask_overlaps(w1: np.ndarray, w2: np.ndarray, order: int, region: str) -> Ite
 
 
 def high_overlap_questions(full: bool) -> Iterator[Question]:
-    """Overlaps of orders up to 64 on common axes, where they are products."""
+    """Overlaps of high orders on common axes, where they are products.
+
+    A common turn of the axes is found to an ulp only, so that modes of one order mix: the scale is
+    the norm of those.
+    """
     ratios = [1.0, 1.0 + 1e-9, 1.5, 4.0, 1e-2, 30.0, 1e3, 1e-9]
-    order = 64
-    for r1, r2 in zip(ratios, ratios[3:] + ratios[:3], strict=True):
-        w = hg.exact([r1, r2])
-        tables = [hg.line_overlaps(v, (order, order)) for v in w]
-        for a, b, n, m in [
-            (0, 0, 64, 0),
-            (64, 0, 0, 0),
-            (64, 0, 64, 0),
-            (32, 32, 32, 32),
-            (31, 33, 17, 5),
-            (60, 4, 4, 60),
-            (63, 1, 1, 1),
-            (20, 40, 22, 42),
-        ]:
-            value = tables[0][a, n] * tables[1][b, m]
-            # a common turn of the axes is found to an ulp only: modes of an order mix
-            near = [
-                tables[0][i, j] * tables[1][a + b - i, n + m - j]
-                for i in range(max(0, a + b - order), min(a + b, order) + 1)
-                for j in range(max(0, n + m - order), min(n + m, order) + 1)
-            ]
-            scale = mp.sqrt(sum(v * v for v in near))
-            expected = Expected(value, scale, abs(value), rounding(a + b + n + m))
-            w2 = np.diag([r1, r2])
-            case = ("overlap", {"a": a, "b": b, "n": n, "m": m, "W1": np.eye(2), "W2": w2})
-            yield Question("overlap, orders up to 64", case, {("value",): expected})
+    for order, some in ((64, ratios), (160, ratios[2:6] if full else [1.5, 4.0])):
+        lines = {ratio: hg.line_overlaps(mp.mpf(ratio), (order, order)) for ratio in some}
+        for r1, r2 in zip(some, some[3:] + some[:3], strict=True):
+            for share in ((1, 0, 1, 0), (1, 0, 0.5, 0), (0.5, 0.5, 0.5, 0.5), (0.9, 0.1, 0.1, 0.9)):
+                a, b, n, m = (round(order * part) for part in share)
+                value = lines[r1][a, n] * lines[r2][b, m]
+                rows, columns = range(a + b + 1), range(n + m + 1)
+                near = [
+                    lines[r1][i, j] * lines[r2][a + b - i, n + m - j] for i in rows for j in columns
+                ]
+                scale = mp.sqrt(sum(v * v for v in near))
+                expected = Expected(value, scale, abs(value), rounding(a + b + n + m))
+                axes = {"W1": np.eye(2), "W2": np.diag([r1, r2])}
+                case = ("overlap", {"a": a, "b": b, "n": n, "m": m, **axes})
+                yield Question(f"overlap, order {order}", case, {("value",): expected})
 
 
 def power_questions(full: bool) -> Iterator[Question]:
@@ -129,26 +122,38 @@ def projection_questions(full: bool) -> Iterator[Question]:
         lines = [hg.line_integrals(order, half[i] / w[i]) for i in (0, 1)]
         weight = 2 * mp.pi * mp.sqrt(w[0] * w[1])
         values = {(a, b): weight * lines[0][a] * lines[1][b] for a, b in hg.pairs(order)}
-        yield ask_projection(inputs, values, order, "projection, rectangle")
+        yield ask_projection(inputs, values, {}, order, "projection, rectangle")
     rng = np.random.default_rng(23)
     for condition in (1.0, 1e4, 1e8):
         s = shape(rng, condition, 10.0 ** rng.uniform(-8, 2))
         for stretch in (0.5, 3.0):
             w = stretch * np.linalg.cholesky(s).T @ turn(0.4)
             inputs = {"I": {"kind": "gaussian", "S": s}, "P": turn(0.4), "W": w}
+            given = hg.exact([s[0, 0], s[0, 1], s[1, 1], *inputs["P"].ravel(), *w.ravel()])
+
+            def modes(v: list[Any]) -> hg.Table:
+                p, root = [v[3:5], v[5:7]], [v[7:9], v[9:11]]
+                return hg.gaussian_projection([[v[0], v[1]], [v[1], v[2]]], p, root, 24)
+
             with mp.workdps(100):
-                values = hg.gaussian_projection(hg.exact(s), hg.exact(inputs["P"]), hg.exact(w), 24)
+                values, changes = varied(modes, given)
             region = f"projection, Gaussian, cond S {condition:.0e}"
-            yield ask_projection(inputs, values, 24, region)
+            yield ask_projection(inputs, values, changes, 24, region)
 
 
-def ask_projection(inputs: dict[str, Any], values: hg.Table, order: int, region: str) -> Question:
-    """Return the question for all modes of one envelope; the scale is the norm of the series."""
-    norm = mp.sqrt(sum(v * v for v in values.values()))
+def ask_projection(
+    inputs: dict[str, Any], values: hg.Table, changes: hg.Table, order: int, region: str
+) -> Question:
+    """Return the question for all modes of one envelope.
+
+    The scale is the norm of the series and of what an ulp of each input does to it, if known.
+    """
+    scale = mp.sqrt(sum(v * v for v in [*values.values(), *changes.values()]))
     question = Question(region, ("projection", {**inputs, "N": order}))
     for (a, b), value in values.items():
         quarter = mp.mpc(0, -1) ** (a + b)
-        expected = Expected(quarter * value, norm, abs(value), rounding(a + b))
+        change = changes.get((a, b), mp.mpf(0))
+        expected = Expected(quarter * value, scale, change, rounding(a + b))
         question.expected["white", a + b, b] = expected
     return question
 
