@@ -9,8 +9,8 @@ the table shows
               block of modes that a turn of the axes mixes, the norm of a series)
     share     worst error over what is allowed, which is C ε scale with C = 16 √(n + 1) for order n:
               a recurrence loses at most 4.5 ε of its envelope per step, errors of steps add up like
-              a random walk, and 3.5 standard deviations of it are allowed; only where a function
-              has no such scale (Ψ from Θ, light) |value| + sensitivity takes its place
+              a random walk, and 3.5 standard deviations of it are allowed.  Ψ from Θ is held to
+              what its documentation promises, 5 ε of the value; light, to what rounded inputs cost
 
 ε is 2^-52, with --f32 2^-23.  Below 1e-308 the spacing of denormal numbers comes on top.  A number
 that is missing, not finite, or zero where the truth is not, fails.  Inputs outside the domain must
@@ -35,6 +35,7 @@ SWEEPS: list[Callable[[bool], Iterator[Question]]] = [
     stress_functions.hermite_questions,
     stress_functions.narrowed_questions,
     stress_functions.phi_questions,
+    stress_functions.narrow_phi_questions,
     stress_functions.psi_questions,
     stress_changes.overlap_questions,
     stress_changes.high_overlap_questions,

@@ -111,6 +111,7 @@ def projection_questions(full: bool) -> Iterator[Question]:
         (2e-6, 5e-2, None, None),
         (1.0, 1.0, 0.125, 2.0),
         (1e-4, 3.0, 1e-5, 0.5),
+        (1.0, 1.0, 1e-3, 1e3),
     ]:
         inputs: dict[str, Any] = {"I": {"kind": "rect", "hx": hx, "hy": hy}, "P": np.eye(2)}
         half = hg.exact([hx, hy])

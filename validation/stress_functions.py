@@ -1,10 +1,12 @@
 """Questions about h_n, φ_ab, Ψ_nm and its dual at every order, condition number and argument."""
 
 from collections.abc import Iterator
+from itertools import product
 from typing import Any
 
 import hermite_gauss as hg
 import numpy as np
+from light_grids import turn
 from mpmath import mp
 from scipy.special import roots_hermite
 from stress import Expected, Question, root, rounding, shape, varied
@@ -112,7 +114,7 @@ def phi_questions(full: bool) -> Iterator[Question]:
     """
     rng = np.random.default_rng(13)
     conditions = [1.0, 1e2, 1e4, 1e6, 1e8, 1e10, 1e12, 1e18, 9e23]
-    kinds = {"|y| < 1": 0.5, "oscillating": 0.7, "turning point": 1.0, "tail": 0.0, "|y| 1e-9": 0.0}
+    kinds = ["|y| < 1", "oscillating", "turning point", "tail", "|y| 1e-9"]
     for (low, high), condition in [
         (limits, c)
         for limits in BANDS.values()
@@ -135,6 +137,25 @@ def phi_questions(full: bool) -> Iterator[Question]:
             }[where]
             x = np.array(hg.apply(hg.inverse(hg.exact(w)), hg.exact(y)), float)
             yield ask_phi(a, b, w, x, f"φ_ab, cond Θ {condition:.0e}")
+    # far beyond the last number that is not 0, where Wx itself may be beyond 1e308
+    for size, x in product((1.0, 1e60), ((1e4, 0.0), (1e150, -1e150), (-1e300, 1e300))):
+        for w, (a, b) in product((size * np.eye(2), size * turn(np.pi / 4)), ((0, 0), (255, 1))):
+            case = ("phi", {"a": a, "b": b, "W": w, "x": list(x)})
+            zero = Expected(mp.mpf(0), mp.mpf(0), mp.mpf(0), 0.0)
+            yield Question("φ_ab, |y| from 1e4 up", case, {("value",): zero})
+
+
+def narrow_phi_questions(full: bool) -> Iterator[Question]:
+    """φ_ab in f32, whose coordinates y are rounded to f32 at the end."""
+    rng = np.random.default_rng(15)
+    for condition in [1.0, 1e4, 1e12] * (20 if full else 4):
+        w = root(rng, condition, 1.0)
+        a, b = (int(n) for n in rng.integers(0, 33, 2))
+        y = rng.uniform(-1.1, 1.1, 2) * np.sqrt([2 * a + 1, 2 * b + 1])
+        x = np.array(hg.apply(hg.inverse(hg.exact(w)), hg.exact(y)), float)
+        question = ask_phi(a, b, w, x, "φ_ab f32, orders up to 64")
+        question.kind = "f32"
+        yield question
 
 
 def ask_phi(a: int, b: int, w: np.ndarray, x: np.ndarray, region: str) -> Question:
