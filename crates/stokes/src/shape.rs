@@ -250,7 +250,13 @@ impl ShapeMatrix {
     #[inline]
     #[must_use]
     pub fn whiten(&self, w: &Vector2<f64>) -> Vector2<f64> {
-        plane::apply(&self.root, w)
+        let y = plane::apply(&self.root, w);
+        if y.x.is_finite() && y.y.is_finite() {
+            return y;
+        }
+        // the products overflowed: what does not cancel is infinitely far
+        let scale = w.amax();
+        plane::apply(&self.root, &(w / scale)) * scale
     }
 
     /// `W⁻¹ y`, the inverse of [`ShapeMatrix::whiten`].
