@@ -14,6 +14,8 @@ use std::sync::LazyLock;
 
 use num_traits::Float;
 
+use crate::gaussian;
+
 /// Highest order of any Hermite-Gauss function or series in this crate.
 pub const MAX_ORDER: usize = 256;
 
@@ -59,15 +61,9 @@ impl Real for f64 {
         self
     }
 
-    /// The rounding of `t²` alone would cost `t²/2` units in the last place (680 at the far end): the square of
-    /// the leading half of `t` is exact, and the rest is a factor near 1.
     #[inline]
     fn gaussian(self) -> Self {
-        let head = Self::from_bits(self.to_bits() & !0x07ff_ffff);
-        let d = 0.5 * (self - head) * (self + head);
-        PI_FOURTH_ROOT_INVERSE
-            * (-0.5 * head * head).exp()
-            * (1.0 - d * (1.0 - d * (0.5 - d / 6.0)))
+        gaussian::of_f64(self)
     }
 
     #[inline]
@@ -91,9 +87,7 @@ impl Real for f32 {
 
     #[inline]
     fn gaussian(self) -> Self {
-        // the square of an f32 is exact in f64
-        let t = f64::from(self);
-        (PI_FOURTH_ROOT_INVERSE * (-0.5 * t * t).exp()) as Self
+        gaussian::of_f32(self)
     }
 
     #[inline]

@@ -33,7 +33,9 @@
 mod basis;
 mod beam;
 mod frame;
+mod gaussian;
 mod hermite;
+mod lanes;
 mod mueller;
 mod observables;
 mod plane;
@@ -48,6 +50,7 @@ pub use basis::{all_modes, mode_count, mode_index, modes, whitened_mode};
 pub use beam::{Components, GeneralizedStokes, LEAST_FAR_FIELD, LightError, Loss};
 pub use frame::{Frame, FrameError, FrameRotation};
 pub use hermite::{MAX_ORDER, Real, hermite};
+pub use lanes::{all_modes_at, contract, contract_at, hermite_all, hermite_all_at};
 pub use mueller::{DiattenuatingRetarder, Mueller};
 pub use observables::{Handedness, PolarizationEllipse};
 pub use reshape::overlap;
