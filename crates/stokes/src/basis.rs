@@ -63,6 +63,29 @@ pub fn whitened_mode(a: usize, b: usize, shape: &ShapeMatrix, w: &Vector2<f64>) 
     libm::scalbn(mantissa, first.exponent + second.exponent)
 }
 
+/// Calls a function with the order and a constant that exceeds it, the size of its scratch: filling 257 places costs
+/// more than a low order itself. For the orders that are met most the compiler knows the order, too.
+macro_rules! by_order {
+    ($order:expr, $function:ident ($($argument:expr),*)) => {
+        match $order {
+            0 => $function::<_, 1>(0, $($argument),*),
+            1 => $function::<_, 2>(1, $($argument),*),
+            2 => $function::<_, 3>(2, $($argument),*),
+            3 => $function::<_, 4>(3, $($argument),*),
+            4 => $function::<_, 5>(4, $($argument),*),
+            5 => $function::<_, 6>(5, $($argument),*),
+            6 => $function::<_, 7>(6, $($argument),*),
+            7 => $function::<_, 8>(7, $($argument),*),
+            8 => $function::<_, 9>(8, $($argument),*),
+            order @ 9..17 => $function::<_, 17>(order, $($argument),*),
+            order @ 17..33 => $function::<_, 33>(order, $($argument),*),
+            order @ 33..65 => $function::<_, 65>(order, $($argument),*),
+            order => $function::<_, { $crate::MAX_ORDER + 1 }>(order, $($argument),*),
+        }
+    };
+}
+pub(crate) use by_order;
+
 /// All products `h_a(y1) h_b(y2)`, a + b ≤ `order`, at one point `y`, into `modes` in order.
 ///
 /// `T` is `f32` or `f64`. Multiply by `|det W|^(1/2)` for `φ_ab`. No allocation.
@@ -80,16 +103,20 @@ pub fn all_modes<T: Real>(order: usize, y: [T; 2], modes: &mut [T]) {
         mode_count(order),
         "places for the modes of order {order}"
     );
-    // h_b(y2) waits in the last total order, whose place (a, order − a) is overwritten when a is done
-    let last = mode_index(order, 0);
-    hermite::fill(y[1], &mut modes[last..]);
-    let mut first = [T::zero(); MAX_ORDER + 1];
-    hermite::fill(y[0], &mut first[..=order]);
-    for (a, along) in first[..=order].iter().enumerate() {
-        let mut place = mode_index(a, 0);
-        for b in 0..=order - a {
-            modes[place] = *along * modes[last + b];
-            place += a + b + 2;
+    by_order!(order, all_modes_sized(y, modes));
+}
+
+#[inline(always)]
+fn all_modes_sized<T: Real, const SIZE: usize>(order: usize, y: [T; 2], modes: &mut [T]) {
+    // `first` backwards, so that a total order is the product of two slices
+    let (mut first, mut second) = ([T::zero(); SIZE], [T::zero(); SIZE]);
+    hermite::fill(y[0], first[..=order].iter_mut().rev());
+    hermite::fill(y[1], second[..=order].iter_mut());
+    for n in 0..=order {
+        let modes = &mut modes[mode_index(n, 0)..mode_count(n)];
+        let along = &first[order - n..=order];
+        for ((mode, along), across) in modes.iter_mut().zip(along).zip(&second[..=n]) {
+            *mode = *along * *across;
         }
     }
 }

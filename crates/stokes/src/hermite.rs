@@ -10,8 +10,6 @@
 //! `e^(-t²/2)` underflows at |t| = 38.6 (f64) and 13.2 (f32), long before `h_64` is negligible. Beyond
 //! [`Real::NEAR`] the start therefore carries an exponent of its own.
 
-use std::sync::LazyLock;
-
 use num_traits::Float;
 
 use crate::gaussian;
@@ -68,7 +66,7 @@ impl Real for f64 {
 
     #[inline]
     fn steps() -> &'static [[Self; 2]; MAX_ORDER] {
-        &STEPS_F64
+        const { &STEPS_F64 }
     }
 }
 
@@ -92,7 +90,7 @@ impl Real for f32 {
 
     #[inline]
     fn steps() -> &'static [[Self; 2]; MAX_ORDER] {
-        &STEPS_F32
+        const { &STEPS_F32 }
     }
 }
 
@@ -193,10 +191,8 @@ pub fn hermite<T: Real>(n: usize, t: T) -> T {
     if t.abs() <= T::NEAR {
         let (mut before, mut now) = (T::zero(), t.gaussian());
         for i in 0..n {
-            let next = (i + 1) as f64;
-            let value = T::from_f64((2.0 / next).sqrt()) * t * now
-                - T::from_f64((i as f64 / next).sqrt()) * before;
-            (before, now) = (now, value);
+            let [up, down] = step::<T>(i);
+            (before, now) = (now, up * t * now - down * before);
         }
         return now;
     }
@@ -206,37 +202,75 @@ pub fn hermite<T: Real>(n: usize, t: T) -> T {
 /// `√(2/(n+1))` and `√(n/(n+1))`, the recurrence's two factors, for n = 0..[`MAX_ORDER`].
 type Steps<T> = [[T; 2]; MAX_ORDER];
 
-fn make_steps<T: Real>() -> Steps<T> {
-    std::array::from_fn(|n| {
+const STEPS_F64: Steps<f64> = {
+    let mut steps = [[0.0; 2]; MAX_ORDER];
+    let mut n = 0;
+    while n < MAX_ORDER {
+        let next = n as u128 + 1;
+        steps[n] = [root(128, next) / 8.0, root(n as u128, next)];
+        n += 1;
+    }
+    steps
+};
+
+const STEPS_F32: Steps<f32> = {
+    let mut steps = [[0.0; 2]; MAX_ORDER];
+    let mut n = 0;
+    while n < MAX_ORDER {
+        steps[n] = [STEPS_F64[n][0] as f32, STEPS_F64[n][1] as f32];
+        n += 1;
+    }
+    steps
+};
+
+/// The factors after `h_n`, for any n.
+fn step<T: Real>(n: usize) -> [T; 2] {
+    T::steps().get(n).copied().unwrap_or_else(|| {
         let next = (n + 1) as f64;
         [(2.0 / next).sqrt(), (n as f64 / next).sqrt()].map(T::from_f64)
     })
 }
 
-static STEPS_F64: LazyLock<Steps<f64>> = LazyLock::new(make_steps);
-static STEPS_F32: LazyLock<Steps<f32>> = LazyLock::new(make_steps);
+/// `√(p/q)` for p < 256, to 2^-59 and the rounding to f64.
+const fn root(p: u128, q: u128) -> f64 {
+    ((p << 118) / q).isqrt() as f64 / (1_u64 << 59) as f64
+}
 
 /// `h_0(t), h_1(t) …` into `values`, at most [`MAX_ORDER`] + 1 of them.
-#[inline]
-pub(crate) fn fill<T: Real>(t: T, values: &mut [T]) {
+#[inline(always)]
+pub(crate) fn fill<'a, T: Real>(t: T, values: impl ExactSizeIterator<Item = &'a mut T>) {
     if t.abs() <= T::NEAR {
         fill_from(t, t.gaussian(), values);
-    } else if let Some(order) = values.len().checked_sub(1) {
-        each_scaled(order, t.to_f64(), |n, value| {
-            values[n] = T::from_f64(value.value());
+    } else {
+        fill_far(t, values);
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn fill_far<'a, T: Real>(t: T, mut values: impl ExactSizeIterator<Item = &'a mut T>) {
+    if let Some(order) = values.len().checked_sub(1) {
+        each_scaled(order, t.to_f64(), |_, h| {
+            if let Some(value) = values.next() {
+                *value = T::from_f64(h.value());
+            }
         });
     }
 }
 
 /// The recurrence from a given `h_0`.
-#[inline]
-pub(crate) fn fill_from<T: Real>(t: T, start: T, values: &mut [T]) {
-    let (mut before, mut now) = (T::zero(), start);
-    let Some((first, rest)) = values.split_first_mut() else {
+#[inline(always)]
+pub(crate) fn fill_from<'a, T: Real>(
+    t: T,
+    start: T,
+    mut values: impl Iterator<Item = &'a mut T>,
+) {
+    let Some(first) = values.next() else {
         return;
     };
-    *first = now;
-    for (value, [up, down]) in rest.iter_mut().zip(T::steps()) {
+    *first = start;
+    let (mut before, mut now) = (T::zero(), start);
+    for (value, [up, down]) in values.zip(T::steps()) {
         *value = *up * t * now - *down * before;
         (before, now) = (now, *value);
     }
@@ -293,7 +327,7 @@ mod tests {
     fn a_filled_table_is_the_single_functions() {
         let mut values = [0.0; 101];
         for t in [0.0, -2.5, 14.0, 38.9, 45.0] {
-            fill(t, &mut values);
+            fill(t, values.iter_mut());
             for (n, value) in values.iter().enumerate() {
                 assert_eq!(*value, hermite(n, t));
             }

@@ -4,27 +4,13 @@
 //! code for whatever the build allows. Nothing is allocated. A block with a lane beyond [`Real::NEAR`] (or not a
 //! number) takes the scalar road, so that every value is the scalar one, whatever its neighbours are.
 
-use crate::basis::{mode_count, mode_index};
+use crate::basis::{by_order, mode_count, mode_index};
 use crate::hermite::{self, MAX_ORDER, Real};
 
 /// Points of a block.
 const LANES: usize = 8;
 
 type Lanes<T> = [T; LANES];
-
-/// Calls a function with a scratch size near what the order needs: filling 257 places costs more than a low order.
-macro_rules! by_order {
-    ($order:expr, $function:ident $arguments:tt) => {
-        match $order {
-            0..5 => $function::<_, 5> $arguments,
-            5..9 => $function::<_, 9> $arguments,
-            9..17 => $function::<_, 17> $arguments,
-            17..33 => $function::<_, 33> $arguments,
-            33..65 => $function::<_, 65> $arguments,
-            _ => $function::<_, { MAX_ORDER + 1 }> $arguments,
-        }
-    };
-}
 
 fn check(order: usize, found: usize, expected: usize, what: &str) {
     assert!(order <= MAX_ORDER, "order {order}, expected at most {MAX_ORDER}");
@@ -34,25 +20,26 @@ fn check(order: usize, found: usize, expected: usize, what: &str) {
 /// The functions `h_0(t) … h_order(t)` at one argument, into `values`, dimensionless.
 pub fn hermite_all<T: Real>(order: usize, t: T, values: &mut [T]) {
     check(order, values.len(), order + 1, "places for the functions");
-    hermite::fill(t, values);
+    hermite::fill(t, values.iter_mut());
 }
 
 /// The functions `h_0 … h_order` at many arguments: `h_n` of argument p into `values[n * arguments.len() + p]`.
 pub fn hermite_all_at<T: Real>(order: usize, arguments: &[T], values: &mut [T]) {
     let count = arguments.len();
     check(order, values.len(), (order + 1) * count, "places for the functions");
-    by_order!(order, hermite_all_sized(order, arguments, values));
+    by_order!(order, hermite_all_sized(arguments, values));
 }
 
+#[inline(always)]
 fn hermite_all_sized<T: Real, const SIZE: usize>(order: usize, arguments: &[T], values: &mut [T]) {
     let mut table = [[T::zero(); LANES]; SIZE];
-    for (block, start) in arguments.chunks(LANES).zip((0..).step_by(LANES)) {
-        let table = &mut table[..=order];
-        fill(&padded(block), table);
+    let table = &mut table[..=order];
+    each_block(arguments, |start, count, block| {
+        fill(block, table);
         for (row, lanes) in values.chunks_exact_mut(arguments.len()).zip(&*table) {
-            put(lanes, &mut row[start..start + block.len()]);
+            put(lanes, &mut row[start..start + count]);
         }
-    }
+    });
 }
 
 /// All products `h_a(y1) h_b(y2)`, a + b ≤ `order`, at many points: mode i of point p into
@@ -60,55 +47,77 @@ fn hermite_all_sized<T: Real, const SIZE: usize>(order: usize, arguments: &[T], 
 pub fn all_modes_at<T: Real>(order: usize, points: &[[T; 2]], modes: &mut [T]) {
     let count = points.len();
     check(order, modes.len(), mode_count(order) * count, "places for the modes");
-    by_order!(order, all_modes_sized(order, points, modes));
+    by_order!(order, all_modes_sized(points, modes));
 }
 
+#[inline(always)]
 fn all_modes_sized<T: Real, const SIZE: usize>(order: usize, points: &[[T; 2]], modes: &mut [T]) {
     let mut first = [[T::zero(); LANES]; SIZE];
     let mut second = [[T::zero(); LANES]; SIZE];
-    for (block, start) in points.chunks(LANES).zip((0..).step_by(LANES)) {
-        let [y1, y2] = axes(block);
-        fill(&y1, &mut first[..=order]);
-        fill(&y2, &mut second[..=order]);
+    each_block(points, |start, count, block| {
+        fill(&block.map(|y| y[0]), &mut first[..=order]);
+        fill(&block.map(|y| y[1]), &mut second[..=order]);
         let mut rows = modes.chunks_exact_mut(points.len());
         for n in 0..=order {
             for ((along, across), row) in first[..=n].iter().rev().zip(&second).zip(&mut rows) {
-                put(&product(along, across), &mut row[start..start + block.len()]);
+                let product = std::array::from_fn(|l| along[l] * across[l]);
+                put(&product, &mut row[start..start + count]);
             }
         }
-    }
+    });
 }
 
 /// The sum `Σ s_ab h_a(y1) h_b(y2)` over a + b ≤ `order` at one point `y`.
 pub fn contract<T: Real>(order: usize, coefficients: &[T], y: [T; 2]) -> T {
     check(order, coefficients.len(), mode_count(order), "coefficients");
-    by_order!(order, contract_sized(order, coefficients, y))
+    let mut sum = T::zero();
+    by_order!(order, sum_orders(coefficients, y, 1, |_, t| sum += t));
+    sum
 }
 
-fn contract_sized<T: Real, const SIZE: usize>(order: usize, coefficients: &[T], y: [T; 2]) -> T {
+/// Calls `take(n, Σ_{a+b=n} s_ab h_a(y1) h_b(y2))` for n = 0, step, … up to `order`.
+#[inline(always)]
+pub(crate) fn sum_orders<T: Real, const SIZE: usize>(
+    order: usize,
+    coefficients: &[T],
+    y: [T; 2],
+    step: usize,
+    mut take: impl FnMut(usize, T),
+) {
     let (mut first, mut second) = ([T::zero(); SIZE], [T::zero(); SIZE]);
-    hermite::fill(y[0], &mut first[..=order]);
-    hermite::fill(y[1], &mut second[..=order]);
-    let mut sum = T::zero();
-    for (b, across) in second[..=order].iter().enumerate() {
-        let mut place = mode_index(0, b);
-        let mut along_axis = T::zero();
-        for (a, along) in first[..=order - b].iter().enumerate() {
-            along_axis += coefficients[place] * *along;
-            place += a + b + 1;
-        }
-        sum += along_axis * *across;
+    hermite::fill(y[0], first[..=order].iter_mut().rev());
+    hermite::fill(y[1], second[..=order].iter_mut());
+    for n in (0..=order).step_by(step) {
+        let s = &coefficients[mode_index(n, 0)..mode_count(n)];
+        take(n, triple_sum(s, &first[order - n..=order], &second[..=n]));
     }
-    sum
+}
+
+/// `Σ s_i x_i y_i` in four chains, which do not wait for each other.
+#[inline(always)]
+fn triple_sum<T: Real>(s: &[T], x: &[T], y: &[T]) -> T {
+    let ((s, s_rest), (x, x_rest), (y, y_rest)) =
+        (s.as_chunks::<4>(), x.as_chunks::<4>(), y.as_chunks::<4>());
+    let mut chains = [T::zero(); 4];
+    for ((s, x), y) in s.iter().zip(x).zip(y) {
+        for l in 0..4 {
+            chains[l] += s[l] * x[l] * y[l];
+        }
+    }
+    for (l, ((s, x), y)) in s_rest.iter().zip(x_rest).zip(y_rest).enumerate() {
+        chains[l] += *s * *x * *y;
+    }
+    (chains[0] + chains[2]) + (chains[1] + chains[3])
 }
 
 /// The sum `Σ s_ab h_a(y1) h_b(y2)` over a + b ≤ `order` at many points `y`.
 pub fn contract_at<T: Real>(order: usize, coefficients: &[T], points: &[[T; 2]], sums: &mut [T]) {
     check(order, coefficients.len(), mode_count(order), "coefficients");
     check(order, sums.len(), points.len(), "places for the sums");
-    by_order!(order, contract_at_sized(order, coefficients, points, sums));
+    by_order!(order, contract_at_sized(coefficients, points, sums));
 }
 
+#[inline(always)]
 fn contract_at_sized<T: Real, const SIZE: usize>(
     order: usize,
     coefficients: &[T],
@@ -117,10 +126,9 @@ fn contract_at_sized<T: Real, const SIZE: usize>(
 ) {
     let mut first = [[T::zero(); LANES]; SIZE];
     let mut second = [[T::zero(); LANES]; SIZE];
-    for (block, sums) in points.chunks(LANES).zip(sums.chunks_mut(LANES)) {
-        let [y1, y2] = axes(block);
-        fill(&y1, &mut first[..=order]);
-        fill(&y2, &mut second[..=order]);
+    each_block(points, |start, count, block| {
+        fill(&block.map(|y| y[0]), &mut first[..=order]);
+        fill(&block.map(|y| y[1]), &mut second[..=order]);
         let mut sum = [T::zero(); LANES];
         for (b, across) in second[..=order].iter().enumerate() {
             let mut place = mode_index(0, b);
@@ -136,7 +144,21 @@ fn contract_at_sized<T: Real, const SIZE: usize>(
                 sum[l] += along_axis[l] * across[l];
             }
         }
-        put(&sum, sums);
+        put(&sum, &mut sums[start..start + count]);
+    });
+}
+
+/// Calls `take(start, count, block)` for every block of eight, the last one filled up with zeros.
+#[inline(always)]
+fn each_block<P: Copy + Default>(points: &[P], mut take: impl FnMut(usize, usize, &[P; LANES])) {
+    let (blocks, rest) = points.as_chunks();
+    for (block, start) in blocks.iter().zip((0..).step_by(LANES)) {
+        take(start, LANES, block);
+    }
+    if !rest.is_empty() {
+        let mut block = [P::default(); LANES];
+        block[..rest.len()].copy_from_slice(rest);
+        take(points.len() - rest.len(), rest.len(), &block);
     }
 }
 
@@ -167,35 +189,11 @@ fn fill_far<T: Real>(t: &Lanes<T>, values: &mut [Lanes<T>]) {
     let mut column = [T::zero(); MAX_ORDER + 1];
     let column = &mut column[..values.len()];
     for (l, t) in t.iter().enumerate() {
-        hermite::fill(*t, column);
+        hermite::fill(*t, column.iter_mut());
         for (value, h) in values.iter_mut().zip(&*column) {
             value[l] = *h;
         }
     }
-}
-
-#[inline(always)]
-fn product<T: Real>(x: &Lanes<T>, y: &Lanes<T>) -> Lanes<T> {
-    std::array::from_fn(|l| x[l] * y[l])
-}
-
-/// A block's arguments, with zeros in the lanes that it does not fill.
-#[inline(always)]
-fn padded<T: Real>(block: &[T]) -> Lanes<T> {
-    let mut lanes = [T::zero(); LANES];
-    lanes[..block.len()].copy_from_slice(block);
-    lanes
-}
-
-/// The two coordinates of a block's points, with zeros in the lanes that it does not fill.
-#[inline(always)]
-fn axes<T: Real>(block: &[[T; 2]]) -> [Lanes<T>; 2] {
-    let mut axes = [[T::zero(); LANES]; 2];
-    for (l, y) in block.iter().enumerate() {
-        axes[0][l] = y[0];
-        axes[1][l] = y[1];
-    }
-    axes
 }
 
 /// The lanes into a block's places.

@@ -5,8 +5,9 @@ use num_complex::Complex64;
 use smallvec::{SmallVec, smallvec};
 use thiserror::Error;
 
-use crate::basis::{mode_count, mode_index};
-use crate::hermite::{self, MAX_ORDER};
+use crate::basis::{by_order, mode_count, mode_index};
+use crate::hermite::MAX_ORDER;
+use crate::lanes::sum_orders;
 use crate::shape::ShapeMatrix;
 use crate::symmetric_power::raise;
 
@@ -297,31 +298,11 @@ impl HermiteSeries {
     }
 
     /// Calls `take(n, Σ_{a+b=n} s_ab h_a(y1) h_b(y2))` for every total order that is there.
+    #[inline(always)]
     fn each_order(&self, y: Vector2<f64>, take: impl FnMut(usize, f64)) {
-        // scratch of a size near the order's: filling 257 places costs more than a low order itself
-        match self.order {
-            0 => self.sum_orders::<1>(y, take),
-            1..8 => self.sum_orders::<8>(y, take),
-            8..32 => self.sum_orders::<32>(y, take),
-            _ => self.sum_orders::<{ MAX_ORDER + 1 }>(y, take),
-        }
-    }
-
-    fn sum_orders<const SIZE: usize>(&self, y: Vector2<f64>, mut take: impl FnMut(usize, f64)) {
-        let (mut first, mut second) = ([0.0; SIZE], [0.0; SIZE]);
-        hermite::fill(y.x, &mut first[..=self.order]);
-        hermite::fill(y.y, &mut second[..=self.order]);
         let step = if self.odd { 1 } else { 2 };
-        for n in (0..=self.order).step_by(step) {
-            let along = first[..=n].iter().rev();
-            let sum = total_order(&self.real, n)
-                .iter()
-                .zip(along)
-                .zip(&second)
-                .map(|((s, h_a), h_b)| s * h_a * h_b)
-                .sum();
-            take(n, sum);
-        }
+        let y = [y.x, y.y];
+        by_order!(self.order, sum_orders(&self.real, y, step, take));
     }
 }
 

@@ -7,8 +7,10 @@ use stokes::{all_modes, all_modes_at, contract, contract_at, mode_count};
 use crate::clock::{Contestant, Rounds, race};
 use crate::plain;
 
-/// Points of a batch.
+/// Points of one turn.
 const POINTS: usize = 64;
+/// Points of a batch, such as the wavelengths of a path. Both sides write their modes to places for so many.
+const BATCH: usize = 16;
 
 /// Ours and the yardstick that it is measured by.
 pub const PAIRS: [[&str; 2]; 8] = [
@@ -48,8 +50,8 @@ pub fn measure<const SIZE: usize>(rounds: usize, slice: f64) -> Rounds {
     let order = black_box(order);
     let (mut a, mut b) = (vec![0.0f32; count], vec![0.0f32; count]);
     let (mut c64, mut d64) = (vec![0.0; count], vec![0.0; count]);
-    let (mut e, mut f) = (vec![0.0f32; count * POINTS], vec![0.0; count * POINTS]);
-    let mut g = vec![[0.0f32; 8]; count];
+    let (mut e, mut f) = (vec![0.0f32; count * BATCH], vec![0.0; count * BATCH]);
+    let mut g = vec![[0.0f32; 8]; count * BATCH / 8];
     let (mut h, mut k) = ([0.0f32; POINTS], [0.0; POINTS]);
     race(
         vec![
@@ -94,15 +96,21 @@ pub fn measure<const SIZE: usize>(rounds: usize, slice: f64) -> Rounds {
                 }
             }),
             Contestant::new("plain all modes [f32; 8]", POINTS, || {
-                for y in &lanes {
-                    plain::all_modes_of_eight(*black_box(y), &factors32, black_box(&mut g));
+                for batch in lanes.chunks(BATCH / 8) {
+                    for (y, modes) in batch.iter().zip(g.chunks_exact_mut(count)) {
+                        plain::all_modes_of_eight(*black_box(y), &factors32, black_box(modes));
+                    }
                 }
             }),
             Contestant::new("all_modes_at f32", POINTS, || {
-                all_modes_at(order, black_box(&points32), black_box(&mut e));
+                for batch in points32.chunks(BATCH) {
+                    all_modes_at(order, black_box(batch), black_box(&mut e));
+                }
             }),
             Contestant::new("all_modes_at f64", POINTS, || {
-                all_modes_at(order, black_box(&points), black_box(&mut f));
+                for batch in points.chunks(BATCH) {
+                    all_modes_at(order, black_box(batch), black_box(&mut f));
+                }
             }),
             Contestant::new("plain sum [f32; 8]", POINTS, || {
                 for y in &lanes {
@@ -110,10 +118,14 @@ pub fn measure<const SIZE: usize>(rounds: usize, slice: f64) -> Rounds {
                 }
             }),
             Contestant::new("contract_at f32", POINTS, || {
-                contract_at(order, &s32, black_box(&points32), black_box(&mut h));
+                for (batch, sums) in points32.chunks(BATCH).zip(h.chunks_mut(BATCH)) {
+                    contract_at(order, &s32, black_box(batch), black_box(sums));
+                }
             }),
             Contestant::new("contract_at f64", POINTS, || {
-                contract_at(order, &s, black_box(&points), black_box(&mut k));
+                for (batch, sums) in points.chunks(BATCH).zip(k.chunks_mut(BATCH)) {
+                    contract_at(order, &s, black_box(batch), black_box(sums));
+                }
             }),
         ],
         rounds,
