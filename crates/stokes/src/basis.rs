@@ -103,15 +103,37 @@ pub fn all_modes<T: Real>(order: usize, y: [T; 2], modes: &mut [T]) {
         mode_count(order),
         "places for the modes of order {order}"
     );
-    by_order!(order, all_modes_sized(y, modes));
+    if hermite::near(&y) {
+        by_order!(order, all_modes_sized(hermite::fill_near, y, modes));
+    } else {
+        all_modes_sized::<T, { MAX_ORDER + 1 }>(order, hermite::fill, y, modes);
+    }
 }
 
 #[inline(always)]
-fn all_modes_sized<T: Real, const SIZE: usize>(order: usize, y: [T; 2], modes: &mut [T]) {
-    // `first` backwards, so that a total order is the product of two slices
+fn all_modes_sized<T: Real, const SIZE: usize>(
+    order: usize,
+    fill: impl Fn(&[T; 2], &mut [[T; 2]]),
+    y: [T; 2],
+    modes: &mut [T],
+) {
+    let mut h = [[T::zero(); 2]; SIZE];
+    fill(&y, &mut h[..=order]);
+    if SIZE <= 9 {
+        let modes = &mut modes[..mode_count(order)];
+        for n in 0..=order {
+            for b in 0..=n {
+                modes[mode_index(n - b, b)] = h[n - b][0] * h[b][1];
+            }
+        }
+        return;
+    }
+    // the first axis backwards, so that a total order is the product of two slices
     let (mut first, mut second) = ([T::zero(); SIZE], [T::zero(); SIZE]);
-    hermite::fill(y[0], first[..=order].iter_mut().rev());
-    hermite::fill(y[1], second[..=order].iter_mut());
+    for n in 0..=order {
+        first[order - n] = h[n][0];
+        second[n] = h[n][1];
+    }
     for n in 0..=order {
         let modes = &mut modes[mode_index(n, 0)..mode_count(n)];
         let along = &first[order - n..=order];

@@ -236,43 +236,56 @@ const fn root(p: u128, q: u128) -> f64 {
     ((p << 118) / q).isqrt() as f64 / (1_u64 << 59) as f64
 }
 
-/// `h_0(t), h_1(t) …` into `values`, at most [`MAX_ORDER`] + 1 of them.
+/// `h_0, h_1 …` of L arguments side by side into `values`, at most [`MAX_ORDER`] + 1 of them.
+///
+/// The loops over the lanes become vector code. Where a lane is beyond [`Real::NEAR`], or not a number, all take the
+/// scalar road, so that each value is [`hermite`]'s, whatever its neighbours are.
 #[inline(always)]
-pub(crate) fn fill<'a, T: Real>(t: T, values: impl ExactSizeIterator<Item = &'a mut T>) {
-    if t.abs() <= T::NEAR {
-        fill_from(t, t.gaussian(), values);
+pub(crate) fn fill<T: Real, const L: usize>(t: &[T; L], values: &mut [[T; L]]) {
+    if near(t) {
+        fill_near(t, values);
     } else {
         fill_far(t, values);
     }
 }
 
-#[cold]
-#[inline(never)]
-fn fill_far<'a, T: Real>(t: T, mut values: impl ExactSizeIterator<Item = &'a mut T>) {
-    if let Some(order) = values.len().checked_sub(1) {
-        each_scaled(order, t.to_f64(), |_, h| {
-            if let Some(value) = values.next() {
-                *value = T::from_f64(h.value());
-            }
-        });
+/// Whether no argument needs an exponent of its own.
+#[inline(always)]
+pub(crate) fn near<T: Real, const L: usize>(t: &[T; L]) -> bool {
+    t.iter().fold(true, |near, t| near & (t.abs() <= T::NEAR))
+}
+
+/// As [`fill`], for arguments that are [`near`].
+#[inline(always)]
+pub(crate) fn fill_near<T: Real, const L: usize>(t: &[T; L], values: &mut [[T; L]]) {
+    let Some((first, rest)) = values.split_first_mut() else {
+        return;
+    };
+    let (mut before, mut now) = ([T::zero(); L], t.map(T::gaussian));
+    *first = now;
+    for (value, [up, down]) in rest.iter_mut().zip(T::steps()) {
+        let next = std::array::from_fn(|l| *up * t[l] * now[l] - *down * before[l]);
+        *value = next;
+        (before, now) = (now, next);
     }
 }
 
-/// The recurrence from a given `h_0`.
-#[inline(always)]
-pub(crate) fn fill_from<'a, T: Real>(
-    t: T,
-    start: T,
-    mut values: impl Iterator<Item = &'a mut T>,
-) {
-    let Some(first) = values.next() else {
-        return;
-    };
-    *first = start;
-    let (mut before, mut now) = (T::zero(), start);
-    for (value, [up, down]) in values.zip(T::steps()) {
-        *value = *up * t * now - *down * before;
-        (before, now) = (now, *value);
+#[cold]
+#[inline(never)]
+fn fill_far<T: Real, const L: usize>(t: &[T; L], values: &mut [[T; L]]) {
+    for (l, t) in t.iter().enumerate() {
+        if t.abs() <= T::NEAR {
+            let (mut before, mut now) = (T::zero(), t.gaussian());
+            for (n, value) in values.iter_mut().enumerate() {
+                value[l] = now;
+                let [up, down] = step::<T>(n);
+                (before, now) = (now, up * *t * now - down * before);
+            }
+        } else if let Some(order) = values.len().checked_sub(1) {
+            each_scaled(order, Real::to_f64(*t), |n, h| {
+                values[n][l] = T::from_f64(h.value());
+            });
+        }
     }
 }
 
@@ -325,11 +338,13 @@ mod tests {
 
     #[test]
     fn a_filled_table_is_the_single_functions() {
-        let mut values = [0.0; 101];
-        for t in [0.0, -2.5, 14.0, 38.9, 45.0] {
-            fill(t, values.iter_mut());
+        let mut values = [[0.0; 2]; 101];
+        for t in [[0.0, -2.5], [14.0, 0.1], [38.9, 1.0], [2.0, f64::NAN], [-45.0, 39.0]] {
+            fill(&t, &mut values);
             for (n, value) in values.iter().enumerate() {
-                assert_eq!(*value, hermite(n, t));
+                for l in 0..2 {
+                    assert_eq!(value[l].to_bits(), hermite(n, t[l]).to_bits(), "{n} {t:?}");
+                }
             }
         }
     }

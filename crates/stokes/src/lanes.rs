@@ -20,7 +20,7 @@ fn check(order: usize, found: usize, expected: usize, what: &str) {
 /// The functions `h_0(t) … h_order(t)` at one argument, into `values`, dimensionless.
 pub fn hermite_all<T: Real>(order: usize, t: T, values: &mut [T]) {
     check(order, values.len(), order + 1, "places for the functions");
-    hermite::fill(t, values.iter_mut());
+    hermite::fill(&[t], values.as_chunks_mut().0);
 }
 
 /// The functions `h_0 … h_order` at many arguments: `h_n` of argument p into `values[n * arguments.len() + p]`.
@@ -35,7 +35,7 @@ fn hermite_all_sized<T: Real, const SIZE: usize>(order: usize, arguments: &[T], 
     let mut table = [[T::zero(); LANES]; SIZE];
     let table = &mut table[..=order];
     each_block(arguments, |start, count, block| {
-        fill(block, table);
+        hermite::fill(block, table);
         for (row, lanes) in values.chunks_exact_mut(arguments.len()).zip(&*table) {
             put(lanes, &mut row[start..start + count]);
         }
@@ -55,8 +55,8 @@ fn all_modes_sized<T: Real, const SIZE: usize>(order: usize, points: &[[T; 2]], 
     let mut first = [[T::zero(); LANES]; SIZE];
     let mut second = [[T::zero(); LANES]; SIZE];
     each_block(points, |start, count, block| {
-        fill(&block.map(|y| y[0]), &mut first[..=order]);
-        fill(&block.map(|y| y[1]), &mut second[..=order]);
+        hermite::fill(&block.map(|y| y[0]), &mut first[..=order]);
+        hermite::fill(&block.map(|y| y[1]), &mut second[..=order]);
         let mut rows = modes.chunks_exact_mut(points.len());
         for n in 0..=order {
             for ((along, across), row) in first[..=n].iter().rev().zip(&second).zip(&mut rows) {
@@ -70,44 +70,65 @@ fn all_modes_sized<T: Real, const SIZE: usize>(order: usize, points: &[[T; 2]], 
 /// The sum `Σ s_ab h_a(y1) h_b(y2)` over a + b ≤ `order` at one point `y`.
 pub fn contract<T: Real>(order: usize, coefficients: &[T], y: [T; 2]) -> T {
     check(order, coefficients.len(), mode_count(order), "coefficients");
-    let mut sum = T::zero();
-    by_order!(order, sum_orders(coefficients, y, 1, |_, t| sum += t));
-    sum
+    let [even, odd] = parity_sums(order, coefficients, y, true, false);
+    even + odd
 }
 
-/// Calls `take(n, Σ_{a+b=n} s_ab h_a(y1) h_b(y2))` for n = 0, step, … up to `order`.
+/// The sum `Σ s_ab h_a(y1) h_b(y2)` over even and over odd total orders n = a + b; the latter is 0 without `odd`.
+///
+/// With `turned` every order has the factor `(−1)^⌊n/2⌋`, so that the sums are real and imaginary part of the sum
+/// with the factors `i^n`.
 #[inline(always)]
-pub(crate) fn sum_orders<T: Real, const SIZE: usize>(
+pub(crate) fn parity_sums<T: Real>(
     order: usize,
     coefficients: &[T],
     y: [T; 2],
-    step: usize,
-    mut take: impl FnMut(usize, T),
-) {
-    let (mut first, mut second) = ([T::zero(); SIZE], [T::zero(); SIZE]);
-    hermite::fill(y[0], first[..=order].iter_mut().rev());
-    hermite::fill(y[1], second[..=order].iter_mut());
-    for n in (0..=order).step_by(step) {
-        let s = &coefficients[mode_index(n, 0)..mode_count(n)];
-        take(n, triple_sum(s, &first[order - n..=order], &second[..=n]));
+    odd: bool,
+    turned: bool,
+) -> [T; 2] {
+    if hermite::near(&y) {
+        by_order!(order, parity_sums_sized(hermite::fill_near, coefficients, y, odd, turned))
+    } else {
+        const SIZE: usize = MAX_ORDER + 1;
+        parity_sums_sized::<T, SIZE>(order, hermite::fill, coefficients, y, odd, turned)
     }
 }
 
-/// `Σ s_i x_i y_i` in four chains, which do not wait for each other.
 #[inline(always)]
-fn triple_sum<T: Real>(s: &[T], x: &[T], y: &[T]) -> T {
-    let ((s, s_rest), (x, x_rest), (y, y_rest)) =
-        (s.as_chunks::<4>(), x.as_chunks::<4>(), y.as_chunks::<4>());
-    let mut chains = [T::zero(); 4];
-    for ((s, x), y) in s.iter().zip(x).zip(y) {
-        for l in 0..4 {
-            chains[l] += s[l] * x[l] * y[l];
+fn parity_sums_sized<T: Real, const SIZE: usize>(
+    order: usize,
+    fill: impl Fn(&[T; 2], &mut [[T; 2]]),
+    coefficients: &[T],
+    y: [T; 2],
+    odd: bool,
+    turned: bool,
+) -> [T; 2] {
+    let mut h = [[T::zero(); 2]; SIZE];
+    fill(&y, &mut h[..=order]);
+    // h_a backwards, so that the modes of a total order are products of two slices
+    let mut first = [T::zero(); SIZE];
+    for n in 0..=order {
+        first[order - n] = h[n][0];
+    }
+    let coefficients = &coefficients[..mode_count(order)];
+    let mut sums = [T::zero(); 2];
+    for (parity, sum) in sums.iter_mut().enumerate().take(1 + usize::from(odd)) {
+        // for every b the sum over a
+        let mut along = [T::zero(); SIZE];
+        for n in (parity..=order).step_by(2) {
+            let s = &coefficients[mode_index(n, 0)..mode_count(n)];
+            let terms = along[..=n].iter_mut().zip(s).zip(&first[order - n..=order]);
+            if turned && n % 4 >= 2 {
+                terms.for_each(|((along, s), h)| *along = *along - *s * *h);
+            } else {
+                terms.for_each(|((along, s), h)| *along += *s * *h);
+            }
+        }
+        for (along, h) in along[..=order].iter().zip(&h) {
+            *sum += *along * h[1];
         }
     }
-    for (l, ((s, x), y)) in s_rest.iter().zip(x_rest).zip(y_rest).enumerate() {
-        chains[l] += *s * *x * *y;
-    }
-    (chains[0] + chains[2]) + (chains[1] + chains[3])
+    sums
 }
 
 /// The sum `Σ s_ab h_a(y1) h_b(y2)` over a + b ≤ `order` at many points `y`.
@@ -127,8 +148,8 @@ fn contract_at_sized<T: Real, const SIZE: usize>(
     let mut first = [[T::zero(); LANES]; SIZE];
     let mut second = [[T::zero(); LANES]; SIZE];
     each_block(points, |start, count, block| {
-        fill(&block.map(|y| y[0]), &mut first[..=order]);
-        fill(&block.map(|y| y[1]), &mut second[..=order]);
+        hermite::fill(&block.map(|y| y[0]), &mut first[..=order]);
+        hermite::fill(&block.map(|y| y[1]), &mut second[..=order]);
         let mut sum = [T::zero(); LANES];
         for (b, across) in second[..=order].iter().enumerate() {
             let mut place = mode_index(0, b);
@@ -159,40 +180,6 @@ fn each_block<P: Copy + Default>(points: &[P], mut take: impl FnMut(usize, usize
         let mut block = [P::default(); LANES];
         block[..rest.len()].copy_from_slice(rest);
         take(points.len() - rest.len(), rest.len(), &block);
-    }
-}
-
-/// `h_0 …` of eight arguments.
-#[inline(always)]
-fn fill<T: Real>(t: &Lanes<T>, values: &mut [Lanes<T>]) {
-    if !t.iter().fold(true, |near, t| near & (t.abs() <= T::NEAR)) {
-        return fill_far(t, values);
-    }
-    let (mut before, mut now) = ([T::zero(); LANES], t.map(T::gaussian));
-    let Some((start, rest)) = values.split_first_mut() else {
-        return;
-    };
-    *start = now;
-    for (value, [up, down]) in rest.iter_mut().zip(T::steps()) {
-        let mut next = [T::zero(); LANES];
-        for l in 0..LANES {
-            next[l] = *up * t[l] * now[l] - *down * before[l];
-        }
-        *value = next;
-        (before, now) = (now, next);
-    }
-}
-
-/// The same, one lane after the other.
-#[cold]
-fn fill_far<T: Real>(t: &Lanes<T>, values: &mut [Lanes<T>]) {
-    let mut column = [T::zero(); MAX_ORDER + 1];
-    let column = &mut column[..values.len()];
-    for (l, t) in t.iter().enumerate() {
-        hermite::fill(*t, column.iter_mut());
-        for (value, h) in values.iter_mut().zip(&*column) {
-            value[l] = *h;
-        }
     }
 }
 
