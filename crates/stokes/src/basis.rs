@@ -77,14 +77,20 @@ macro_rules! by_order {
             6 => $function::<_, 7>(6, $($argument),*),
             7 => $function::<_, 8>(7, $($argument),*),
             8 => $function::<_, 9>(8, $($argument),*),
-            order @ 9..17 => $function::<_, 17>(order, $($argument),*),
-            order @ 17..33 => $function::<_, 33>(order, $($argument),*),
-            order @ 33..65 => $function::<_, 65>(order, $($argument),*),
-            order => $function::<_, { $crate::MAX_ORDER + 1 }>(order, $($argument),*),
+            order @ 9..17 => apart(|| $function::<_, 17>(order, $($argument),*)),
+            order @ 17..33 => apart(|| $function::<_, 33>(order, $($argument),*)),
+            order @ 33..65 => apart(|| $function::<_, 65>(order, $($argument),*)),
+            order => apart(|| $function::<_, { $crate::MAX_ORDER + 1 }>(order, $($argument),*)),
         }
     };
 }
 pub(crate) use by_order;
+
+/// Calls a function whose stack shall not burden its neighbours.
+#[inline(never)]
+pub(crate) fn apart<R>(function: impl FnOnce() -> R) -> R {
+    function()
+}
 
 /// All products `h_a(y1) h_b(y2)`, a + b ≤ `order`, at one point `y`, into `modes` in order.
 ///
@@ -104,25 +110,28 @@ pub fn all_modes<T: Real>(order: usize, y: [T; 2], modes: &mut [T]) {
         "places for the modes of order {order}"
     );
     if hermite::near(&y) {
-        by_order!(order, all_modes_sized(hermite::fill_near, y, modes));
+        let start = hermite::gaussians(&y);
+        let fill = |h: &mut [_]| hermite::fill_near(&y, &start, h);
+        by_order!(order, all_modes_sized(fill, modes));
     } else {
-        all_modes_sized::<T, { MAX_ORDER + 1 }>(order, hermite::fill, y, modes);
+        let fill = |h: &mut [_]| hermite::fill(&y, h);
+        apart(|| all_modes_sized::<T, { MAX_ORDER + 1 }>(order, fill, modes));
     }
 }
 
 #[inline(always)]
 fn all_modes_sized<T: Real, const SIZE: usize>(
     order: usize,
-    fill: impl Fn(&[T; 2], &mut [[T; 2]]),
-    y: [T; 2],
+    fill: impl Fn(&mut [[T; 2]]),
     modes: &mut [T],
 ) {
     let mut h = [[T::zero(); 2]; SIZE];
-    fill(&y, &mut h[..=order]);
+    fill(&mut h[..=order]);
+    let modes = &mut modes[..mode_count(order)];
     if SIZE <= 9 {
-        let modes = &mut modes[..mode_count(order)];
-        for n in 0..=order {
-            for b in 0..=n {
+        // half-open ranges: the compiler unrolls them
+        for n in 0..order + 1 {
+            for b in 0..n + 1 {
                 modes[mode_index(n - b, b)] = h[n - b][0] * h[b][1];
             }
         }
@@ -130,11 +139,11 @@ fn all_modes_sized<T: Real, const SIZE: usize>(
     }
     // the first axis backwards, so that a total order is the product of two slices
     let (mut first, mut second) = ([T::zero(); SIZE], [T::zero(); SIZE]);
-    for n in 0..=order {
+    for n in 0..order + 1 {
         first[order - n] = h[n][0];
         second[n] = h[n][1];
     }
-    for n in 0..=order {
+    for n in 0..order + 1 {
         let modes = &mut modes[mode_index(n, 0)..mode_count(n)];
         let along = &first[order - n..=order];
         for ((mode, along), across) in modes.iter_mut().zip(along).zip(&second[..=n]) {

@@ -59,7 +59,7 @@ impl Real for f64 {
         self
     }
 
-    #[inline]
+    #[inline(always)]
     fn gaussian(self) -> Self {
         gaussian::of_f64(self)
     }
@@ -83,7 +83,7 @@ impl Real for f32 {
         f64::from(self)
     }
 
-    #[inline]
+    #[inline(always)]
     fn gaussian(self) -> Self {
         gaussian::of_f32(self)
     }
@@ -243,7 +243,7 @@ const fn root(p: u128, q: u128) -> f64 {
 #[inline(always)]
 pub(crate) fn fill<T: Real, const L: usize>(t: &[T; L], values: &mut [[T; L]]) {
     if near(t) {
-        fill_near(t, values);
+        fill_near(t, &gaussians(t), values);
     } else {
         fill_far(t, values);
     }
@@ -255,13 +255,27 @@ pub(crate) fn near<T: Real, const L: usize>(t: &[T; L]) -> bool {
     t.iter().fold(true, |near, t| near & (t.abs() <= T::NEAR))
 }
 
-/// As [`fill`], for arguments that are [`near`].
+/// `h_0` of arguments that are [`near`].
 #[inline(always)]
-pub(crate) fn fill_near<T: Real, const L: usize>(t: &[T; L], values: &mut [[T; L]]) {
+pub(crate) fn gaussians<T: Real, const L: usize>(t: &[T; L]) -> [T; L] {
+    let mut gaussians = [T::zero(); L];
+    for l in 0..L {
+        gaussians[l] = t[l].gaussian();
+    }
+    gaussians
+}
+
+/// As [`fill`], for arguments that are [`near`] and have the given `h_0`.
+#[inline(always)]
+pub(crate) fn fill_near<T: Real, const L: usize>(
+    t: &[T; L],
+    start: &[T; L],
+    values: &mut [[T; L]],
+) {
     let Some((first, rest)) = values.split_first_mut() else {
         return;
     };
-    let (mut before, mut now) = ([T::zero(); L], t.map(T::gaussian));
+    let (mut before, mut now) = ([T::zero(); L], *start);
     *first = now;
     for (value, [up, down]) in rest.iter_mut().zip(T::steps()) {
         let next = std::array::from_fn(|l| *up * t[l] * now[l] - *down * before[l]);

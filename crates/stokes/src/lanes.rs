@@ -4,7 +4,7 @@
 //! code for whatever the build allows. Nothing is allocated. A block with a lane beyond [`Real::NEAR`] (or not a
 //! number) takes the scalar road, so that every value is the scalar one, whatever its neighbours are.
 
-use crate::basis::{by_order, mode_count, mode_index};
+use crate::basis::{apart, by_order, mode_count, mode_index};
 use crate::hermite::{self, MAX_ORDER, Real};
 
 /// Points of a block.
@@ -87,27 +87,29 @@ pub(crate) fn parity_sums<T: Real>(
     turned: bool,
 ) -> [T; 2] {
     if hermite::near(&y) {
-        by_order!(order, parity_sums_sized(hermite::fill_near, coefficients, y, odd, turned))
+        let start = hermite::gaussians(&y);
+        let fill = |h: &mut [_]| hermite::fill_near(&y, &start, h);
+        by_order!(order, parity_sums_sized(fill, coefficients, odd, turned))
     } else {
         const SIZE: usize = MAX_ORDER + 1;
-        parity_sums_sized::<T, SIZE>(order, hermite::fill, coefficients, y, odd, turned)
+        let fill = |h: &mut [_]| hermite::fill(&y, h);
+        apart(|| parity_sums_sized::<T, SIZE>(order, fill, coefficients, odd, turned))
     }
 }
 
 #[inline(always)]
 fn parity_sums_sized<T: Real, const SIZE: usize>(
     order: usize,
-    fill: impl Fn(&[T; 2], &mut [[T; 2]]),
+    fill: impl Fn(&mut [[T; 2]]),
     coefficients: &[T],
-    y: [T; 2],
     odd: bool,
     turned: bool,
 ) -> [T; 2] {
     let mut h = [[T::zero(); 2]; SIZE];
-    fill(&y, &mut h[..=order]);
+    fill(&mut h[..=order]);
     // h_a backwards, so that the modes of a total order are products of two slices
     let mut first = [T::zero(); SIZE];
-    for n in 0..=order {
+    for n in 0..order + 1 {
         first[order - n] = h[n][0];
     }
     let coefficients = &coefficients[..mode_count(order)];
@@ -115,7 +117,7 @@ fn parity_sums_sized<T: Real, const SIZE: usize>(
     for (parity, sum) in sums.iter_mut().enumerate().take(1 + usize::from(odd)) {
         // for every b the sum over a
         let mut along = [T::zero(); SIZE];
-        for n in (parity..=order).step_by(2) {
+        for n in (parity..order + 1).step_by(2) {
             let s = &coefficients[mode_index(n, 0)..mode_count(n)];
             let terms = along[..=n].iter_mut().zip(s).zip(&first[order - n..=order]);
             if turned && n % 4 >= 2 {

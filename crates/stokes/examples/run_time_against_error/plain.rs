@@ -34,7 +34,7 @@ macro_rules! scalar {
             let (h1, h2) = ($hermite(y[0], factors), $hermite(y[1], factors));
             let mut i = 0;
             for n in 0..SIZE {
-                for b in 0..=n {
+                for b in 0..n + 1 {
                     modes[i] = h1[n - b] * h2[b];
                     i += 1;
                 }
@@ -51,7 +51,7 @@ macro_rules! scalar {
             let (h1, h2) = ($hermite(y[0], factors), $hermite(y[1], factors));
             let (mut re, mut im, mut i) = (0.0, 0.0, 0);
             for n in 0..SIZE {
-                for b in 0..=n {
+                for b in 0..n + 1 {
                     let mode = h1[n - b] * h2[b];
                     re += coefficients[i][0] * mode;
                     im += coefficients[i][1] * mode;
@@ -122,7 +122,7 @@ pub fn all_modes_of_eight<const SIZE: usize>(
     let (h1, h2) = (hermite_of_eight(y[0], factors), hermite_of_eight(y[1], factors));
     let mut i = 0;
     for n in 0..SIZE {
-        for b in 0..=n {
+        for b in 0..n + 1 {
             for l in 0..8 {
                 modes[i][l] = h1[n - b][l] * h2[b][l];
             }
@@ -142,7 +142,7 @@ pub fn sum_of_eight<const SIZE: usize>(
     let mut sum = [[0.0; 8]; 2];
     let mut i = 0;
     for n in 0..SIZE {
-        for b in 0..=n {
+        for b in 0..n + 1 {
             for l in 0..8 {
                 let mode = h1[n - b][l] * h2[b][l];
                 sum[0][l] += coefficients[i][0] * mode;
