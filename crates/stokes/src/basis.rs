@@ -63,8 +63,11 @@ pub fn whitened_mode(a: usize, b: usize, shape: &ShapeMatrix, w: &Vector2<f64>) 
     libm::scalbn(mantissa, first.exponent + second.exponent)
 }
 
+/// Scratch for any order, and for the rest of the last group of four.
+pub(crate) const LARGEST: usize = MAX_ORDER + 4;
+
 /// Calls a function with the order and a constant that exceeds it, the size of its scratch: filling 257 places costs
-/// more than a low order itself. For the orders that are met most the compiler knows the order, too.
+/// more than a low order itself. Up to order 8 the compiler knows the order, too; beyond, the size exceeds it by 4.
 macro_rules! by_order {
     ($order:expr, $function:ident ($($argument:expr),*)) => {
         match $order {
@@ -77,10 +80,10 @@ macro_rules! by_order {
             6 => $function::<_, 7>(6, $($argument),*),
             7 => $function::<_, 8>(7, $($argument),*),
             8 => $function::<_, 9>(8, $($argument),*),
-            order @ 9..17 => apart(|| $function::<_, 17>(order, $($argument),*)),
-            order @ 17..33 => apart(|| $function::<_, 33>(order, $($argument),*)),
-            order @ 33..65 => apart(|| $function::<_, 65>(order, $($argument),*)),
-            order => apart(|| $function::<_, { $crate::MAX_ORDER + 1 }>(order, $($argument),*)),
+            order @ 9..17 => apart(|| $function::<_, 20>(order, $($argument),*)),
+            order @ 17..33 => apart(|| $function::<_, 36>(order, $($argument),*)),
+            order @ 33..65 => apart(|| $function::<_, 68>(order, $($argument),*)),
+            order => apart(|| $function::<_, LARGEST>(order, $($argument),*)),
         }
     };
 }
@@ -115,7 +118,7 @@ pub fn all_modes<T: Real>(order: usize, y: [T; 2], modes: &mut [T]) {
         by_order!(order, all_modes_sized(fill, modes));
     } else {
         let fill = |h: &mut [_]| hermite::fill(&y, h);
-        apart(|| all_modes_sized::<T, { MAX_ORDER + 1 }>(order, fill, modes));
+        apart(|| all_modes_sized::<T, LARGEST>(order, fill, modes));
     }
 }
 
@@ -143,11 +146,18 @@ fn all_modes_sized<T: Real, const SIZE: usize>(
         first[order - n] = h[n][0];
         second[n] = h[n][1];
     }
-    for n in 0..order + 1 {
-        let modes = &mut modes[mode_index(n, 0)..mode_count(n)];
-        let along = &first[order - n..=order];
-        for ((mode, along), across) in modes.iter_mut().zip(along).zip(&second[..=n]) {
-            *mode = *along * *across;
+    // in groups of four; what a group writes too many is overwritten by the next total order
+    let mut place = 0;
+    for n in 0..order {
+        let along = first[order - n..].as_chunks::<4>().0;
+        let across = second.as_chunks::<4>().0;
+        let groups = modes[place..].as_chunks_mut::<4>().0.iter_mut();
+        for ((group, along), across) in groups.zip(along).zip(&across[..n / 4 + 1]) {
+            *group = std::array::from_fn(|l| along[l] * across[l]);
         }
+        place += n + 1;
+    }
+    for ((mode, along), across) in modes[place..].iter_mut().zip(&first).zip(&second) {
+        *mode = *along * *across;
     }
 }

@@ -4,7 +4,7 @@
 //! code for whatever the build allows. Nothing is allocated. A block with a lane beyond [`Real::NEAR`] (or not a
 //! number) takes the scalar road, so that every value is the scalar one, whatever its neighbours are.
 
-use crate::basis::{apart, by_order, mode_count, mode_index};
+use crate::basis::{LARGEST, apart, by_order, mode_count, mode_index};
 use crate::hermite::{self, MAX_ORDER, Real};
 
 /// Points of a block.
@@ -33,13 +33,13 @@ pub fn hermite_all_at<T: Real>(order: usize, arguments: &[T], values: &mut [T]) 
 #[inline(always)]
 fn hermite_all_sized<T: Real, const SIZE: usize>(order: usize, arguments: &[T], values: &mut [T]) {
     let mut table = [[T::zero(); LANES]; SIZE];
-    let table = &mut table[..=order];
-    each_block(arguments, |start, count, block| {
-        hermite::fill(block, table);
+    let table = &mut table[..order + 1];
+    for (start, block) in blocks(arguments) {
+        hermite::fill(&block, table);
         for (row, lanes) in values.chunks_exact_mut(arguments.len()).zip(&*table) {
-            put(lanes, &mut row[start..start + count]);
+            put(lanes, row, start);
         }
-    });
+    }
 }
 
 /// All products `h_a(y1) h_b(y2)`, a + b ≤ `order`, at many points: mode i of point p into
@@ -54,17 +54,20 @@ pub fn all_modes_at<T: Real>(order: usize, points: &[[T; 2]], modes: &mut [T]) {
 fn all_modes_sized<T: Real, const SIZE: usize>(order: usize, points: &[[T; 2]], modes: &mut [T]) {
     let mut first = [[T::zero(); LANES]; SIZE];
     let mut second = [[T::zero(); LANES]; SIZE];
-    each_block(points, |start, count, block| {
-        hermite::fill(&block.map(|y| y[0]), &mut first[..=order]);
-        hermite::fill(&block.map(|y| y[1]), &mut second[..=order]);
-        let mut rows = modes.chunks_exact_mut(points.len());
-        for n in 0..=order {
-            for ((along, across), row) in first[..=n].iter().rev().zip(&second).zip(&mut rows) {
+    let count = points.len();
+    for (start, block) in blocks(points) {
+        hermite::fill(&axis(&block, 0), &mut first[..order + 1]);
+        hermite::fill(&axis(&block, 1), &mut second[..order + 1]);
+        let mut place = 0;
+        for n in 0..order + 1 {
+            for b in 0..n + 1 {
+                let (along, across) = (&first[n - b], &second[b]);
                 let product = std::array::from_fn(|l| along[l] * across[l]);
-                put(&product, &mut row[start..start + count]);
+                put(&product, &mut modes[place..place + count], start);
+                place += count;
             }
         }
-    });
+    }
 }
 
 /// The sum `Σ s_ab h_a(y1) h_b(y2)` over a + b ≤ `order` at one point `y`.
@@ -91,9 +94,8 @@ pub(crate) fn parity_sums<T: Real>(
         let fill = |h: &mut [_]| hermite::fill_near(&y, &start, h);
         by_order!(order, parity_sums_sized(fill, coefficients, odd, turned))
     } else {
-        const SIZE: usize = MAX_ORDER + 1;
         let fill = |h: &mut [_]| hermite::fill(&y, h);
-        apart(|| parity_sums_sized::<T, SIZE>(order, fill, coefficients, odd, turned))
+        apart(|| parity_sums_sized::<T, LARGEST>(order, fill, coefficients, odd, turned))
     }
 }
 
@@ -149,48 +151,65 @@ fn contract_at_sized<T: Real, const SIZE: usize>(
 ) {
     let mut first = [[T::zero(); LANES]; SIZE];
     let mut second = [[T::zero(); LANES]; SIZE];
-    each_block(points, |start, count, block| {
-        hermite::fill(&block.map(|y| y[0]), &mut first[..=order]);
-        hermite::fill(&block.map(|y| y[1]), &mut second[..=order]);
+    let coefficients = &coefficients[..mode_count(order)];
+    for (start, block) in blocks(points) {
+        hermite::fill(&axis(&block, 0), &mut first[..order + 1]);
+        hermite::fill(&axis(&block, 1), &mut second[..order + 1]);
         let mut sum = [T::zero(); LANES];
-        for (b, across) in second[..=order].iter().enumerate() {
-            let mut place = mode_index(0, b);
-            let mut along_axis = [T::zero(); LANES];
-            for (a, along) in first[..=order - b].iter().enumerate() {
-                let s = coefficients[place];
+        for b in 0..order + 1 {
+            let mut along = [T::zero(); LANES];
+            for a in 0..order - b + 1 {
+                let s = coefficients[mode_index(a, b)];
                 for l in 0..LANES {
-                    along_axis[l] += s * along[l];
+                    along[l] += s * first[a][l];
                 }
-                place += a + b + 1;
             }
             for l in 0..LANES {
-                sum[l] += along_axis[l] * across[l];
+                sum[l] += along[l] * second[b][l];
             }
         }
-        put(&sum, &mut sums[start..start + count]);
-    });
-}
-
-/// Calls `take(start, count, block)` for every block of eight, the last one filled up with zeros.
-#[inline(always)]
-fn each_block<P: Copy + Default>(points: &[P], mut take: impl FnMut(usize, usize, &[P; LANES])) {
-    let (blocks, rest) = points.as_chunks();
-    for (block, start) in blocks.iter().zip((0..).step_by(LANES)) {
-        take(start, LANES, block);
-    }
-    if !rest.is_empty() {
-        let mut block = [P::default(); LANES];
-        block[..rest.len()].copy_from_slice(rest);
-        take(points.len() - rest.len(), rest.len(), &block);
+        put(&sum, sums, start);
     }
 }
 
-/// The lanes into a block's places.
+/// Blocks of eight and where they start. The last one begins earlier where the number is no multiple of eight, so
+/// that some points are done twice; fewer than eight are filled up with zeros.
 #[inline(always)]
-fn put<T: Real>(lanes: &Lanes<T>, places: &mut [T]) {
-    if let Ok(whole) = <&mut Lanes<T>>::try_from(&mut *places) {
-        *whole = *lanes;
+fn blocks<P: Copy + Default>(points: &[P]) -> impl Iterator<Item = (usize, [P; LANES])> {
+    let last = points.len().saturating_sub(LANES);
+    (0..points.len().div_ceil(LANES)).map(move |i| {
+        let start = last.min(i * LANES);
+        let rest = &points[start..];
+        let block = rest.first_chunk().copied().unwrap_or_else(|| filled_up(rest));
+        (start, block)
+    })
+}
+
+#[cold]
+fn filled_up<P: Copy + Default>(points: &[P]) -> [P; LANES] {
+    let mut block = [P::default(); LANES];
+    block[..points.len()].copy_from_slice(points);
+    block
+}
+
+/// One coordinate of a block's points.
+#[inline(always)]
+fn axis<T: Real>(block: &[[T; 2]; LANES], axis: usize) -> Lanes<T> {
+    std::array::from_fn(|l| block[l][axis])
+}
+
+/// The lanes into the places from `start`, or as many as there are.
+#[inline(always)]
+fn put<T: Real>(lanes: &Lanes<T>, row: &mut [T], start: usize) {
+    if let Some(places) = row[start..].first_chunk_mut() {
+        *places = *lanes;
     } else {
-        places.copy_from_slice(&lanes[..places.len()]);
+        put_some(lanes, row);
     }
+}
+
+#[cold]
+#[inline(never)]
+fn put_some<T: Real>(lanes: &Lanes<T>, row: &mut [T]) {
+    row.copy_from_slice(&lanes[..row.len()]);
 }
