@@ -34,12 +34,12 @@ pub fn hermite_all_at<T: Real>(order: usize, arguments: &[T], values: &mut [T]) 
 fn hermite_all_sized<T: Real, const SIZE: usize>(order: usize, arguments: &[T], values: &mut [T]) {
     let mut table = [[T::zero(); LANES]; SIZE];
     let table = &mut table[..order + 1];
-    for (start, block) in blocks(arguments) {
-        hermite::fill(&block, table);
+    each_block(arguments.as_chunks::<1>().0, |start, block| {
+        fill(block, [table]);
         for (row, lanes) in values.chunks_exact_mut(arguments.len()).zip(&*table) {
             put(lanes, row, start);
         }
-    }
+    });
 }
 
 /// All products `h_a(y1) h_b(y2)`, a + b ≤ `order`, at many points: mode i of point p into
@@ -55,16 +55,31 @@ fn all_modes_sized<T: Real, const SIZE: usize>(order: usize, points: &[[T; 2]], 
     let mut first = [[T::zero(); LANES]; SIZE];
     let mut second = [[T::zero(); LANES]; SIZE];
     let count = points.len();
-    for (start, block) in blocks(points) {
-        hermite::fill(&axis(&block, 0), &mut first[..order + 1]);
-        hermite::fill(&axis(&block, 1), &mut second[..order + 1]);
-        let mut place = 0;
+    each_block(points, |start, block| {
+        fill(block, [&mut first[..order + 1], &mut second[..order + 1]]);
+        if count < LANES {
+            return put_few(&first[..order + 1], &second, count, modes);
+        }
+        let mut place = start;
         for n in 0..order + 1 {
             for b in 0..n + 1 {
                 let (along, across) = (&first[n - b], &second[b]);
-                let product = std::array::from_fn(|l| along[l] * across[l]);
-                put(&product, &mut modes[place..place + count], start);
+                let product: Lanes<T> = std::array::from_fn(|l| along[l] * across[l]);
+                modes[place..place + LANES].copy_from_slice(&product);
                 place += count;
+            }
+        }
+    });
+}
+
+/// The modes of fewer than eight points.
+#[inline(never)]
+fn put_few<T: Real>(first: &[Lanes<T>], second: &[Lanes<T>], count: usize, modes: &mut [T]) {
+    let mut rows = modes.chunks_exact_mut(count);
+    for n in 0..first.len() {
+        for ((along, across), row) in first[..=n].iter().rev().zip(second).zip(&mut rows) {
+            for ((mode, along), across) in row.iter_mut().zip(along).zip(across) {
+                *mode = *along * *across;
             }
         }
     }
@@ -152,9 +167,8 @@ fn contract_at_sized<T: Real, const SIZE: usize>(
     let mut first = [[T::zero(); LANES]; SIZE];
     let mut second = [[T::zero(); LANES]; SIZE];
     let coefficients = &coefficients[..mode_count(order)];
-    for (start, block) in blocks(points) {
-        hermite::fill(&axis(&block, 0), &mut first[..order + 1]);
-        hermite::fill(&axis(&block, 1), &mut second[..order + 1]);
+    each_block(points, |start, block| {
+        fill(block, [&mut first[..order + 1], &mut second[..order + 1]]);
         let mut sum = [T::zero(); LANES];
         for b in 0..order + 1 {
             let mut along = [T::zero(); LANES];
@@ -169,33 +183,59 @@ fn contract_at_sized<T: Real, const SIZE: usize>(
             }
         }
         put(&sum, sums, start);
+    });
+}
+
+/// Calls `take(start, block)` for blocks of eight. The last one begins earlier where the number is no multiple of
+/// eight, so that some points are done twice; fewer than eight are filled up with zeros.
+#[inline(always)]
+fn each_block<P: Copy + Default>(points: &[P], mut take: impl FnMut(usize, &[P; LANES])) {
+    let count = points.len();
+    let mut filled_up = [P::default(); LANES];
+    let points = if count < LANES {
+        filled_up[..count].copy_from_slice(points);
+        &filled_up
+    } else {
+        points
+    };
+    let last = points.len() - LANES;
+    for start in (0..count).step_by(LANES) {
+        let start = start.min(last);
+        if let Some(block) = points[start..].first_chunk() {
+            take(start, block);
+        }
     }
 }
 
-/// Blocks of eight and where they start. The last one begins earlier where the number is no multiple of eight, so
-/// that some points are done twice; fewer than eight are filled up with zeros.
+/// `h_0 …` of the coordinates of eight points, `D` numbers a point, into tables of one row an order.
 #[inline(always)]
-fn blocks<P: Copy + Default>(points: &[P]) -> impl Iterator<Item = (usize, [P; LANES])> {
-    let last = points.len().saturating_sub(LANES);
-    (0..points.len().div_ceil(LANES)).map(move |i| {
-        let start = last.min(i * LANES);
-        let rest = &points[start..];
-        let block = rest.first_chunk().copied().unwrap_or_else(|| filled_up(rest));
-        (start, block)
-    })
+fn fill<T: Real, const D: usize>(points: &[[T; D]; LANES], tables: [&mut [Lanes<T>]; D]) {
+    let mut start = [[[T::zero(); LANES]; 2]; D];
+    let near = starts(points, &mut start);
+    for (table, [t, start]) in tables.into_iter().zip(&start) {
+        if near {
+            hermite::fill_near(t, start, table);
+        } else {
+            hermite::fill(t, table);
+        }
+    }
 }
 
-#[cold]
-fn filled_up<P: Copy + Default>(points: &[P]) -> [P; LANES] {
-    let mut block = [P::default(); LANES];
-    block[..points.len()].copy_from_slice(points);
-    block
-}
-
-/// One coordinate of a block's points.
-#[inline(always)]
-fn axis<T: Real>(block: &[[T; 2]; LANES], axis: usize) -> Lanes<T> {
-    std::array::from_fn(|l| block[l][axis])
+/// Coordinates by axis with their `h_0`, and whether all are near enough for it. A loop of its own, since the
+/// compiler then turns the points into vectors by shuffles and not by way of memory.
+#[inline(never)]
+fn starts<T: Real, const D: usize>(
+    points: &[[T; D]; LANES],
+    start: &mut [[Lanes<T>; 2]; D],
+) -> bool {
+    for l in 0..LANES {
+        for axis in 0..D {
+            let t = points[l][axis];
+            start[axis][0][l] = t;
+            start[axis][1][l] = t.gaussian();
+        }
+    }
+    start.iter().all(|[t, _]| hermite::near(t))
 }
 
 /// The lanes into the places from `start`, or as many as there are.
