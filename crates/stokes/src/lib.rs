@@ -27,11 +27,16 @@
 //! | ψ = ½ atan2(S2, S1) | angle of linear polarization | rad | [`StokesVector::angle_of_linear_polarization`] |
 //! | χ = ½ atan2(S3, √(S1² + S2²)) | ellipticity angle | rad | [`StokesVector::ellipticity_angle`] |
 //! | M | Mueller matrix | 1 | [`Mueller`] |
+//! | I(x), f(w) = F{I}(Pw) | intensity profile, its far field | any, × m² | [`Envelope`] |
+//! | P | a plane's axes seen along a ray | 1 | [`surface_projection`] |
+//! | D, W = D P | root of a profile's modes, of their shape | m | [`EnvelopeModes::in_direction`] |
+//! | μ_ab | modes of a profile's far field | – | [`EnvelopeModes`] |
 //! | a, b, c, s | diattenuator and retarder on common axes | 1 | [`DiattenuatingRetarder`] |
 #![forbid(unsafe_code)]
 
 mod basis;
 mod beam;
+mod envelope;
 mod frame;
 mod gaussian;
 mod hermite;
@@ -48,6 +53,10 @@ mod vector;
 
 pub use basis::{all_modes, mode_count, mode_index, modes, whitened_mode};
 pub use beam::{Components, GeneralizedStokes, LEAST_FAR_FIELD, LightError, Loss};
+pub use envelope::{
+    Envelope, EnvelopeError, EnvelopeModes, GaussianPatch, GaussianPeak, MAX_PATCHES, ModeWidth,
+    Patches, surface_projection,
+};
 pub use frame::{Frame, FrameError, FrameRotation};
 pub use hermite::{MAX_ORDER, Real, hermite};
 pub use lanes::{all_modes_at, contract, contract_at, hermite_all, hermite_all_at};
