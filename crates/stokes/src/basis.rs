@@ -117,7 +117,7 @@ pub fn all_modes<T: Real>(order: usize, y: [T; 2], modes: &mut [T]) {
         let fill = |h: &mut [_]| hermite::fill_near(&y, &start, h);
         by_order!(order, all_modes_sized(fill, modes));
     } else {
-        let fill = |h: &mut [_]| hermite::fill(&y, h);
+        let fill = |h: &mut [_]| hermite::fill_lanes(&y, h);
         apart(|| all_modes_sized::<T, LARGEST>(order, fill, modes));
     }
 }
@@ -131,7 +131,7 @@ fn all_modes_sized<T: Real, const SIZE: usize>(
     let mut h = [[T::zero(); 2]; SIZE];
     fill(&mut h[..=order]);
     let modes = &mut modes[..mode_count(order)];
-    if SIZE <= 9 {
+    if order <= 8 {
         // half-open ranges: the compiler unrolls them
         for n in 0..order + 1 {
             for b in 0..n + 1 {

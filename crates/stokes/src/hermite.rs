@@ -236,12 +236,18 @@ const fn root(p: u128, q: u128) -> f64 {
     ((p << 118) / q).isqrt() as f64 / (1_u64 << 59) as f64
 }
 
+/// `h_0(t), h_1(t) …` into `values`, at most [`MAX_ORDER`] + 1 of them.
+#[inline]
+pub(crate) fn fill<T: Real>(t: T, values: &mut [T]) {
+    fill_lanes(&[t], values.as_chunks_mut().0);
+}
+
 /// `h_0, h_1 …` of L arguments side by side into `values`, at most [`MAX_ORDER`] + 1 of them.
 ///
 /// The loops over the lanes become vector code. Where a lane is beyond [`Real::NEAR`], or not a number, all take the
 /// scalar road, so that each value is [`hermite`]'s, whatever its neighbours are.
 #[inline(always)]
-pub(crate) fn fill<T: Real, const L: usize>(t: &[T; L], values: &mut [[T; L]]) {
+pub(crate) fn fill_lanes<T: Real, const L: usize>(t: &[T; L], values: &mut [[T; L]]) {
     if near(t) {
         fill_near(t, &gaussians(t), values);
     } else {
@@ -265,7 +271,7 @@ pub(crate) fn gaussians<T: Real, const L: usize>(t: &[T; L]) -> [T; L] {
     gaussians
 }
 
-/// As [`fill`], for arguments that are [`near`] and have the given `h_0`.
+/// As [`fill_lanes`], for arguments that are [`near`] and have the given `h_0`.
 #[inline(always)]
 pub(crate) fn fill_near<T: Real, const L: usize>(
     t: &[T; L],
@@ -353,8 +359,14 @@ mod tests {
     #[test]
     fn a_filled_table_is_the_single_functions() {
         let mut values = [[0.0; 2]; 101];
-        for t in [[0.0, -2.5], [14.0, 0.1], [38.9, 1.0], [2.0, f64::NAN], [-45.0, 39.0]] {
-            fill(&t, &mut values);
+        for t in [
+            [0.0, -2.5],
+            [14.0, 0.1],
+            [38.9, 1.0],
+            [2.0, f64::NAN],
+            [-45.0, 39.0],
+        ] {
+            fill_lanes(&t, &mut values);
             for (n, value) in values.iter().enumerate() {
                 for l in 0..2 {
                     assert_eq!(value[l].to_bits(), hermite(n, t[l]).to_bits(), "{n} {t:?}");

@@ -13,20 +13,28 @@ const LANES: usize = 8;
 type Lanes<T> = [T; LANES];
 
 fn check(order: usize, found: usize, expected: usize, what: &str) {
-    assert!(order <= MAX_ORDER, "order {order}, expected at most {MAX_ORDER}");
+    assert!(
+        order <= MAX_ORDER,
+        "order {order}, expected at most {MAX_ORDER}"
+    );
     assert_eq!(found, expected, "{what} of order {order}");
 }
 
 /// The functions `h_0(t) … h_order(t)` at one argument, into `values`, dimensionless.
 pub fn hermite_all<T: Real>(order: usize, t: T, values: &mut [T]) {
     check(order, values.len(), order + 1, "places for the functions");
-    hermite::fill(&[t], values.as_chunks_mut().0);
+    hermite::fill(t, values);
 }
 
 /// The functions `h_0 … h_order` at many arguments: `h_n` of argument p into `values[n * arguments.len() + p]`.
 pub fn hermite_all_at<T: Real>(order: usize, arguments: &[T], values: &mut [T]) {
     let count = arguments.len();
-    check(order, values.len(), (order + 1) * count, "places for the functions");
+    check(
+        order,
+        values.len(),
+        (order + 1) * count,
+        "places for the functions",
+    );
     by_order!(order, hermite_all_sized(arguments, values));
 }
 
@@ -46,7 +54,12 @@ fn hermite_all_sized<T: Real, const SIZE: usize>(order: usize, arguments: &[T], 
 /// `modes[i * points.len() + p]`.
 pub fn all_modes_at<T: Real>(order: usize, points: &[[T; 2]], modes: &mut [T]) {
     let count = points.len();
-    check(order, modes.len(), mode_count(order) * count, "places for the modes");
+    check(
+        order,
+        modes.len(),
+        mode_count(order) * count,
+        "places for the modes",
+    );
     by_order!(order, all_modes_sized(points, modes));
 }
 
@@ -109,7 +122,7 @@ pub(crate) fn parity_sums<T: Real>(
         let fill = |h: &mut [_]| hermite::fill_near(&y, &start, h);
         by_order!(order, parity_sums_sized(fill, coefficients, odd, turned))
     } else {
-        let fill = |h: &mut [_]| hermite::fill(&y, h);
+        let fill = |h: &mut [_]| hermite::fill_lanes(&y, h);
         apart(|| parity_sums_sized::<T, LARGEST>(order, fill, coefficients, odd, turned))
     }
 }
@@ -216,7 +229,7 @@ fn fill<T: Real, const D: usize>(points: &[[T; D]; LANES], tables: [&mut [Lanes<
         if near {
             hermite::fill_near(t, start, table);
         } else {
-            hermite::fill(t, table);
+            hermite::fill_lanes(t, table);
         }
     }
 }

@@ -49,7 +49,10 @@ pub fn race(mut contestants: Vec<Contestant<'_>>, rounds: usize, slice: f64) -> 
             ns.push(seconds * 1e9 / (calls * contestant.units) as f64);
         }
     }
-    let names = contestants.iter().map(|contestant| contestant.name).collect();
+    let names = contestants
+        .iter()
+        .map(|contestant| contestant.name)
+        .collect();
     Rounds { names, ns }
 }
 

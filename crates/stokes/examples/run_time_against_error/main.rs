@@ -9,7 +9,10 @@ fn table<const SIZE: usize>() {
         let [ns, _] = rounds.ns(ours);
         let [yard, _] = rounds.ns(plain);
         let [ratio, least] = rounds.ratio(ours, plain);
-        println!("{:3} {ours:18} {ns:8.1} {yard:8.1} {ratio:6.2} {least:6.2}", SIZE - 1);
+        println!(
+            "{:3} {ours:18} {ns:8.1} {yard:8.1} {ratio:6.2} {least:6.2}",
+            SIZE - 1
+        );
     }
 }
 

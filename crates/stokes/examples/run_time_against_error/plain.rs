@@ -2,10 +2,15 @@
 //! compiler.
 
 /// `√(2/(n+1))` and `√(n/(n+1))`.
-pub fn factors<T: From<f32> + Copy, const SIZE: usize>(narrow: impl Fn(f64) -> T) -> [[T; 2]; SIZE] {
+pub fn factors<T: From<f32> + Copy, const SIZE: usize>(
+    narrow: impl Fn(f64) -> T,
+) -> [[T; 2]; SIZE] {
     std::array::from_fn(|n| {
         let next = (n + 1) as f64;
-        [narrow((2.0 / next).sqrt()), narrow((n as f64 / next).sqrt())]
+        [
+            narrow((2.0 / next).sqrt()),
+            narrow((n as f64 / next).sqrt()),
+        ]
     })
 }
 
@@ -119,7 +124,10 @@ pub fn all_modes_of_eight<const SIZE: usize>(
     factors: &[[f32; 2]; SIZE],
     modes: &mut [Eight],
 ) {
-    let (h1, h2) = (hermite_of_eight(y[0], factors), hermite_of_eight(y[1], factors));
+    let (h1, h2) = (
+        hermite_of_eight(y[0], factors),
+        hermite_of_eight(y[1], factors),
+    );
     let mut i = 0;
     for n in 0..SIZE {
         for b in 0..n + 1 {
@@ -138,7 +146,10 @@ pub fn sum_of_eight<const SIZE: usize>(
     factors: &[[f32; 2]; SIZE],
     coefficients: &[[f32; 2]],
 ) -> [Eight; 2] {
-    let (h1, h2) = (hermite_of_eight(y[0], factors), hermite_of_eight(y[1], factors));
+    let (h1, h2) = (
+        hermite_of_eight(y[0], factors),
+        hermite_of_eight(y[1], factors),
+    );
     let mut sum = [[0.0; 8]; 2];
     let mut i = 0;
     for n in 0..SIZE {
