@@ -3,15 +3,15 @@
 use std::time::Instant;
 
 /// One contestant: its name and a function that does its work once.
-pub struct Contestant<'a> {
-    pub name: &'static str,
+pub(crate) struct Contestant<'a> {
+    pub(crate) name: &'static str,
     /// Units of work in one call, such as points.
-    pub units: usize,
-    pub work: Box<dyn FnMut() + 'a>,
+    pub(crate) units: usize,
+    pub(crate) work: Box<dyn FnMut() + 'a>,
 }
 
 impl<'a> Contestant<'a> {
-    pub fn new(name: &'static str, units: usize, work: impl FnMut() + 'a) -> Self {
+    pub(crate) fn new(name: &'static str, units: usize, work: impl FnMut() + 'a) -> Self {
         Self {
             name,
             units,
@@ -21,13 +21,13 @@ impl<'a> Contestant<'a> {
 }
 
 /// Nanoseconds a unit of every contestant in every round.
-pub struct Rounds {
+pub(crate) struct Rounds {
     names: Vec<&'static str>,
     ns: Vec<Vec<f64>>,
 }
 
 /// Lets the contestants take turns for `rounds` rounds, each for about `slice` seconds a round.
-pub fn race(mut contestants: Vec<Contestant<'_>>, rounds: usize, slice: f64) -> Rounds {
+pub(crate) fn race(mut contestants: Vec<Contestant<'_>>, rounds: usize, slice: f64) -> Rounds {
     let calls: Vec<usize> = contestants
         .iter_mut()
         .map(|contestant| {
@@ -71,12 +71,12 @@ impl Rounds {
     }
 
     /// Median and least time of a unit, in nanoseconds.
-    pub fn ns(&self, name: &str) -> [f64; 2] {
+    pub(crate) fn ns(&self, name: &str) -> [f64; 2] {
         median_and_least(self.of(name).to_vec())
     }
 
     /// Median over the rounds of one contestant's time over another's, and the quotient of their least times.
-    pub fn ratio(&self, name: &str, other: &str) -> [f64; 2] {
+    pub(crate) fn ratio(&self, name: &str, other: &str) -> [f64; 2] {
         let ratios = self.of(name).iter().zip(self.of(other)).map(|(x, y)| x / y);
         let [median, _] = median_and_least(ratios.collect());
         [median, self.ns(name)[1] / self.ns(other)[1]]

@@ -2,7 +2,7 @@
 //! compiler.
 
 /// `√(2/(n+1))` and `√(n/(n+1))`.
-pub fn factors<T: From<f32> + Copy, const SIZE: usize>(
+pub(crate) fn factors<T: From<f32> + Copy, const SIZE: usize>(
     narrow: impl Fn(f64) -> T,
 ) -> [[T; 2]; SIZE] {
     std::array::from_fn(|n| {
@@ -31,7 +31,7 @@ macro_rules! scalar {
 
         /// All modes below total order SIZE at one point.
         #[inline(never)]
-        pub fn $all_modes<const SIZE: usize>(
+        pub(crate) fn $all_modes<const SIZE: usize>(
             y: [$type; 2],
             factors: &[[$type; 2]; SIZE],
             modes: &mut [$type],
@@ -48,7 +48,7 @@ macro_rules! scalar {
 
         /// The sum with complex coefficients at one point.
         #[inline(never)]
-        pub fn $sum<const SIZE: usize>(
+        pub(crate) fn $sum<const SIZE: usize>(
             y: [$type; 2],
             factors: &[[$type; 2]; SIZE],
             coefficients: &[[$type; 2]],
@@ -119,7 +119,7 @@ fn hermite_of_eight<const SIZE: usize>(t: Eight, factors: &[[f32; 2]; SIZE]) -> 
 
 /// All modes below total order SIZE at eight points, coordinates and modes as arrays of lanes.
 #[inline(never)]
-pub fn all_modes_of_eight<const SIZE: usize>(
+pub(crate) fn all_modes_of_eight<const SIZE: usize>(
     y: [Eight; 2],
     factors: &[[f32; 2]; SIZE],
     modes: &mut [Eight],
@@ -141,7 +141,7 @@ pub fn all_modes_of_eight<const SIZE: usize>(
 
 /// The sum with complex coefficients at eight points.
 #[inline(never)]
-pub fn sum_of_eight<const SIZE: usize>(
+pub(crate) fn sum_of_eight<const SIZE: usize>(
     y: [Eight; 2],
     factors: &[[f32; 2]; SIZE],
     coefficients: &[[f32; 2]],

@@ -10,10 +10,10 @@ use crate::plain;
 /// Points of one turn.
 const POINTS: usize = 64;
 /// Points of a batch, such as the wavelengths of a path. Both sides write their modes to places for so many.
-const BATCH: usize = 16;
+pub(crate) const BATCH: usize = 16;
 
 /// Ours and the yardstick that it is measured by.
-pub const PAIRS: [[&str; 2]; 8] = [
+pub(crate) const PAIRS: [[&str; 2]; 8] = [
     ["all_modes f32", "plain all modes f32"],
     ["all_modes f64", "plain all modes f64"],
     ["contract f32", "plain sum f32"],
@@ -24,15 +24,19 @@ pub const PAIRS: [[&str; 2]; 8] = [
     ["contract_at f64", "plain sum [f32; 8]"],
 ];
 
-/// Races everything at the order SIZE − 1.
-pub fn measure<const SIZE: usize>(rounds: usize, slice: f64) -> Rounds {
-    let order = SIZE - 1;
-    let count = mode_count(order);
-    // a lattice over the square |y| < 3 without symmetry
-    let points: [[f64; 2]; POINTS] = std::array::from_fn(|i| {
+/// A lattice over the square |y| < 3 without symmetry.
+pub(crate) fn lattice() -> [[f64; 2]; POINTS] {
+    std::array::from_fn(|i| {
         let fraction = |step: f64| 6.0 * (step * (i as f64 + 0.5)).fract() - 3.0;
         [fraction(0.618_033_988_75), fraction(0.754_877_666_25)]
-    });
+    })
+}
+
+/// Races everything at the order SIZE − 1.
+pub(crate) fn measure<const SIZE: usize>(rounds: usize, slice: f64) -> Rounds {
+    let order = SIZE - 1;
+    let count = mode_count(order);
+    let points = lattice();
     let points32 = points.map(|y| y.map(|t| t as f32));
     let lanes: Vec<[[f32; 8]; 2]> = points32
         .as_chunks::<8>()
