@@ -21,12 +21,24 @@ fn check(order: usize, found: usize, expected: usize, what: &str) {
 }
 
 /// The functions `h_0(t) … h_order(t)` at one argument, into `values`, dimensionless.
+///
+/// Source: Eq. (S1.1). Each is [`crate::hermite`]'s number, bit by bit. No allocation.
+///
+/// # Panics
+///
+/// When `order` exceeds [`MAX_ORDER`] or `values` does not have `order + 1` places.
 pub fn hermite_all<T: Real>(order: usize, t: T, values: &mut [T]) {
     check(order, values.len(), order + 1, "places for the functions");
     hermite::fill(t, values);
 }
 
 /// The functions `h_0 … h_order` at many arguments: `h_n` of argument p into `values[n * arguments.len() + p]`.
+///
+/// Dimensionless; each is [`crate::hermite`]'s number, bit by bit. No allocation.
+///
+/// # Panics
+///
+/// When `order` exceeds [`MAX_ORDER`] or `values` does not have `(order + 1) * arguments.len()` places.
 pub fn hermite_all_at<T: Real>(order: usize, arguments: &[T], values: &mut [T]) {
     let count = arguments.len();
     check(
@@ -52,6 +64,21 @@ fn hermite_all_sized<T: Real, const SIZE: usize>(order: usize, arguments: &[T], 
 
 /// All products `h_a(y1) h_b(y2)`, a + b ≤ `order`, at many points: mode i of point p into
 /// `modes[i * points.len() + p]`.
+///
+/// Dimensionless; each is [`crate::all_modes`]' number, bit by bit. No allocation. Meant for batches whose modes stay
+/// in the nearest cache, such as the wavelengths of a path.
+///
+/// # Panics
+///
+/// When `order` exceeds [`MAX_ORDER`] or `modes` does not have [`mode_count`]`(order) * points.len()` places.
+///
+/// ```
+/// let mut modes = [0.0; 3 * 2];
+/// stokes::all_modes_at(1, &[[0.0, 0.0], [1.0, 0.0]], &mut modes);
+/// // mode (1, 0) is √(2/π) y1 e^(−|y|²/2): 0 at the first point, 0.4839 at the second
+/// assert_eq!(modes[2], 0.0);
+/// assert!((modes[3] - 0.483_941_449_038_286_7_f64).abs() < 1e-15);
+/// ```
 pub fn all_modes_at<T: Real>(order: usize, points: &[[T; 2]], modes: &mut [T]) {
     let count = points.len();
     check(
@@ -99,6 +126,19 @@ fn put_few<T: Real>(first: &[Lanes<T>], second: &[Lanes<T>], count: usize, modes
 }
 
 /// The sum `Σ s_ab h_a(y1) h_b(y2)` over a + b ≤ `order` at one point `y`.
+///
+/// In the unit of the coefficients, which stand in the order of [`crate::modes`]; the Wigner function of a
+/// [`crate::HermiteSeries`]. Error at most `(order + 2.5) ε Σ|s_ab h_a h_b|`, `ε` that of `T`. No allocation.
+///
+/// # Panics
+///
+/// When `order` exceeds [`MAX_ORDER`] or `coefficients` are not [`mode_count`]`(order)` numbers.
+///
+/// ```
+/// // 1/√π at 0, where odd modes vanish
+/// assert!((stokes::contract(1, &[1.0, 5.0, 7.0], [0.0, 0.0]) - 0.564_189_583_547_756_3_f64).abs() < 1e-15);
+/// ```
+#[must_use]
 pub fn contract<T: Real>(order: usize, coefficients: &[T], y: [T; 2]) -> T {
     check(order, coefficients.len(), mode_count(order), "coefficients");
     let [even, odd] = parity_sums(order, coefficients, y, true, false);
@@ -163,7 +203,13 @@ fn parity_sums_sized<T: Real, const SIZE: usize>(
     sums
 }
 
-/// The sum `Σ s_ab h_a(y1) h_b(y2)` over a + b ≤ `order` at many points `y`.
+/// The sum `Σ s_ab h_a(y1) h_b(y2)` over a + b ≤ `order` at many points `y`, into `sums`.
+///
+/// As [`contract`], with the same bound on the error; the last digits may differ from it. No allocation.
+///
+/// # Panics
+///
+/// When `order` exceeds [`MAX_ORDER`] or `coefficients` are not [`mode_count`]`(order)` numbers or `sums` not as many as `points`.
 pub fn contract_at<T: Real>(order: usize, coefficients: &[T], points: &[[T; 2]], sums: &mut [T]) {
     check(order, coefficients.len(), mode_count(order), "coefficients");
     check(order, sums.len(), points.len(), "places for the sums");

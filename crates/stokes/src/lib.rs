@@ -32,6 +32,27 @@
 //! | D, W = D P | root of a profile's modes, of their shape | m | [`EnvelopeModes::in_direction`] |
 //! | μ_ab | modes of a profile's far field | – | [`EnvelopeModes`] |
 //! | a, b, c, s | diattenuator and retarder on common axes | 1 | [`DiattenuatingRetarder`] |
+//!
+//! # Cost and error
+//!
+//! What `cargo run --release -p stokes --example run_time_against_error -- OUT.csv` prints, on one core of a 2 GHz Xeon
+//! that others used too (`docs/run_time_against_error.csv`; its build knows nothing newer than SSE2). Nanoseconds to
+//! sum a series of order N at a point: [`contract`] in f64, [`contract_at`] for 16 points in f32. Errors of the
+//! truncated far field in the L² norm, relative: a Gaussian over a shape of twice its variance, a square whose
+//! half-width is 4 σ of the shape. Evaluation in f32 adds less than 1e-6 of the largest value (measured
+//! within three standard deviations).
+//!
+//! | N | f64, ns | f32, 16 points, ns a point | Gaussian | square |
+//! |---|---|---|---|---|
+//! | 0 | 12 | 3.5 | 0.33 | 0.90 |
+//! | 2 | 18 | 4.6 | 0.11 | 0.78 |
+//! | 4 | 27 | 6.2 | 0.037 | 0.65 |
+//! | 8 | 50 | 15 | 0.0041 | 0.38 |
+//! | 16 | 210 | 39 | 5.1e-5 | 0.21 |
+//! | 32 | 502 | 113 | 7.7e-9 | 0.15 |
+//! | 64 | 1167 | 389 | 1.8e-16 | 0.12 |
+//!
+//! A hard edge converges as N^(−1/4) only: split such a source instead ([`Envelope::patches_for`]).
 #![forbid(unsafe_code)]
 
 mod basis;
