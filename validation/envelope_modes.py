@@ -1,15 +1,18 @@
-"""Writes crates/stokes/tests/data/envelope_modes.csv: far-field modes of profiles by plain quadrature.
+"""Writes crates/stokes/tests/data/envelope_modes.csv: modes of profiles by plain quadrature.
 
-    python3 validation/envelope_modes.py       (numpy and mpmath)
+    validation/.venv/bin/python validation/envelope_modes.py
 
-    s_ab = (-1)^(a+b) 2 pi |det W|^(-1/2) Int I(x) h_a(y1) h_b(y2) d2x,     y = W^-T P' (x - centroid)
+    s_ab = (-1)^(a+b) 2 pi |det W|^(-1/2) Int I(x) h_a(y1) h_b(y2) d2x,     y = W^-T P' (x - mean)
 
-Panels of Gauss-Legendre nodes over cells and sectors, the trapezoidal rule over Gaussians, in extended
-precision; W^-T P' with 50 digits for the given binary64 P and W, or for the exact Cov^(1/2) P where a line says
-`native`.  One line a case: kind; numbers of the profile; P; `native` or W; order; W; coefficients.
+Panels of Gauss-Legendre nodes over cells and rings, the trapezoidal rule over Gaussians, in
+extended precision; W^-T P' with 50 digits for the given binary64 P and W, or for the exact
+Cov^(1/2) P where a line says `native`.  One line a case: kind; numbers of the profile; P;
+`native` or W; order; W; coefficients.
 """
 
 import random
+from collections.abc import Iterable
+from itertools import pairwise
 from pathlib import Path
 
 import mpmath as mp
@@ -17,6 +20,7 @@ import numpy as np
 
 OUT = Path(__file__).resolve().parent.parent / "crates/stokes/tests/data/envelope_modes.csv"
 LD = np.longdouble
+Array = np.ndarray
 mp.mp.dps = 50
 
 
@@ -52,11 +56,13 @@ def legendre(n: int) -> tuple[np.ndarray, np.ndarray]:
 NODES = legendre(32)
 
 
-def ld(x) -> LD:
+def ld(x: mp.mpf) -> LD:
+    """A number of many digits in extended precision."""
     return LD(mp.nstr(mp.mpf(x), 25))
 
 
-def accumulate(total, order, t, points, weights):
+def accumulate(total: Array, order: int, t: Array, points: Array, weights: Array) -> None:
+    """Add weighted values of all products h_a h_b at these points."""
     y = points @ t.T
     near = (np.abs(y) < np.sqrt(2 * order + 1) + 12).all(-1)
     if not near.any():
@@ -66,14 +72,20 @@ def accumulate(total, order, t, points, weights):
     total += (first * weights) @ second.T
 
 
-def panels(low, high, t_column, order):
+def panels(low: LD, high: LD, t_column: Array, order: int) -> list:
     """Edges so that each panel has a modest phase."""
-    phase = (np.sqrt(2 * order + 1) + 9) * float(np.linalg.norm(np.array(t_column, float))) * float(high - low)
+    phase = (
+        (np.sqrt(2 * order + 1) + 9)
+        * float(np.linalg.norm(np.array(t_column, float)))
+        * float(high - low)
+    )
     count = max(1, int(np.ceil(phase / 12)))
     return [low + (high - low) * LD(i) / count for i in range(count + 1)]
 
 
-def cells(total, order, t, columns, rows, samples):
+def cells(
+    total: Array, order: int, t: Array, columns: list, rows: list, samples: Array | list
+) -> None:
     """A grid of cells; columns and rows are the edges about the centroid."""
     node, weight = NODES
     reach = np.sqrt(2 * order + 1) + 12
@@ -84,18 +96,22 @@ def cells(total, order, t, columns, rows, samples):
                 continue
             ex = panels(columns[i], columns[i + 1], t[:, 0], order)
             ey = panels(rows[j], rows[j + 1], t[:, 1], order)
-            for x0, x1 in zip(ex, ex[1:]):
-                for y0, y1 in zip(ey, ey[1:]):
+            for x0, x1 in pairwise(ex):
+                for y0, y1 in pairwise(ey):
                     corners = np.array([[x, y] for x in (x0, x1) for y in (y0, y1)]) @ t.T
                     if (corners.min(0) > reach).any() or (corners.max(0) < -reach).any():
                         continue
-                    gx, gy = (x0 + x1) / 2 + (x1 - x0) / 2 * node, (y0 + y1) / 2 + (y1 - y0) / 2 * node
+                    gx, gy = (
+                        (x0 + x1) / 2 + (x1 - x0) / 2 * node,
+                        (y0 + y1) / 2 + (y1 - y0) / 2 * node,
+                    )
                     points = np.stack(np.meshgrid(gx, gy, indexing="ij"), -1).reshape(-1, 2)
                     w = np.outer(weight * (x1 - x0) / 2, weight * (y1 - y0) / 2).ravel()
                     accumulate(total, order, t, points, LD(v) * w)
 
 
-def disk(total, order, t, radius):
+def disk(total: Array, order: int, t: Array, radius: LD) -> None:
+    """Rings of nodes in the radius, the trapezoidal rule in the angle."""
     node, weight = NODES
     extent = float(np.linalg.norm(np.array(t, float), 2)) * float(radius)
     phase = (np.sqrt(2 * order + 1) + 9) * extent
@@ -106,16 +122,22 @@ def disk(total, order, t, radius):
         r0, r1 = radius * LD(k) / rings, radius * LD(k + 1) / rings
         r = (r0 + r1) / 2 + (r1 - r0) / 2 * node
         w = weight * (r1 - r0) / 2 * r * (LD("6.283185307179586476925286766559") / angles)
-        points = np.stack([np.outer(r, np.cos(theta)), np.outer(r, np.sin(theta))], -1).reshape(-1, 2)
+        points = np.stack([np.outer(r, np.cos(theta)), np.outer(r, np.sin(theta))], -1).reshape(
+            -1, 2
+        )
         accumulate(total, order, t, points, np.repeat(w, angles))
 
 
-def gaussian(total, order, t, peak, centre, cov):
-    """x = centre + L g, trapezoid over g in the axes of T L: both factors then are resolved by the same step."""
-    l11 = mp.sqrt(cov[0, 0]); l21 = cov[1, 0] / l11; l22 = mp.sqrt(cov[1, 1] - l21**2)
+def gaussian(total: Array, order: int, t: Array, peak: float, centre: list, cov: mp.matrix) -> None:
+    """x = centre + L g, the trapezoidal rule over g with a step that resolves both factors."""
+    l11 = mp.sqrt(cov[0, 0])
+    l21 = cov[1, 0] / l11
+    l22 = mp.sqrt(cov[1, 1] - l21**2)
     root = np.array([[ld(l11), LD(0)], [ld(l21), ld(l22)]])
     tl = t @ root
-    smallest = 1 / (1 + float(np.linalg.norm(np.array(tl, float), 2)) * 1.2 * np.sqrt(2 * order + 1) / 3)
+    smallest = 1 / (
+        1 + float(np.linalg.norm(np.array(tl, float), 2)) * 1.2 * np.sqrt(2 * order + 1) / 3
+    )
     step = LD(min(0.2, 0.5 * smallest))
     g = np.arange(int(-11 / step) - 1, int(11 / step) + 2).astype(LD) * step
     for row in g:
@@ -124,14 +146,15 @@ def gaussian(total, order, t, peak, centre, cov):
         accumulate(total, order, t, points @ root.T + np.array(centre), w)
 
 
-def matrix(values) -> mp.matrix:
+def matrix(values: list[float]) -> mp.matrix:
+    """2 x 2, row by row."""
     a, b, c, d = values
     return mp.matrix([[mp.mpf(a), mp.mpf(b)], [mp.mpf(c), mp.mpf(d)]])
 
 
-def moments_of(kind, p):
+def moments_of(kind: str, p: list[float]) -> tuple[list, mp.matrix]:
     """Centroid and covariance, in many digits."""
-    m = lambda x: mp.mpf(x)
+    m = mp.mpf
     if kind == "rectangle":
         return [mp.mpf(0)] * 2, mp.matrix([[m(p[0]) ** 2 / 3, 0], [0, m(p[1]) ** 2 / 3]])
     if kind == "disk":
@@ -144,11 +167,15 @@ def moments_of(kind, p):
             pieces.append((mass, [m(p[q + 1]), m(p[q + 2])], cov))
     else:
         nx, px, py, cx, cy, *samples = p
-        nx = int(nx); ny = len(samples) // nx
+        nx = int(nx)
+        ny = len(samples) // nx
         inner = mp.matrix([[m(px) ** 2 / 12, 0], [0, m(py) ** 2 / 12]])
         for k, v in enumerate(samples):
             i, j = k % nx, k // nx
-            place = [m(cx) + (i + mp.mpf(1 - nx) / 2) * m(px), m(cy) + (j + mp.mpf(1 - ny) / 2) * m(py)]
+            place = [
+                m(cx) + (i + mp.mpf(1 - nx) / 2) * m(px),
+                m(cy) + (j + mp.mpf(1 - ny) / 2) * m(py),
+            ]
             pieces.append((m(v), place, inner))
     whole = mp.fsum(w for w, _, _ in pieces)
     centre = [mp.fsum(w * c[a] for w, c, _ in pieces) / whole for a in range(2)]
@@ -159,12 +186,26 @@ def moments_of(kind, p):
     return centre, cov
 
 
-def root_of(cov):
+def root_of(cov: mp.matrix) -> mp.matrix:
+    """The symmetric root."""
     s = mp.sqrt(mp.det(cov))
     return (cov + s * mp.eye(2)) / mp.sqrt(cov[0, 0] + cov[1, 1] + 2 * s)
 
 
-def case(kind, p, projection, w, order) -> str:
+def edges(count: int, size: float, middle: LD) -> list:
+    """The edges of a row of cells."""
+    return [middle + (LD(i) - LD(count) / 2) * LD(size) for i in range(count + 1)]
+
+
+def text(values: Iterable) -> str:
+    """Numbers as their shortest binary64 text."""
+    return " ".join(repr(float(v)) for v in values)
+
+
+def case(
+    kind: str, p: list[float], projection: list[float], w: list[float] | None, order: int
+) -> str:
+    """One line of the table."""
     centre, cov = moments_of(kind, p)
     pm = matrix(projection)
     wm = root_of(cov) * pm if w is None else matrix(w)
@@ -178,22 +219,24 @@ def case(kind, p, projection, w, order) -> str:
         disk(total, order, t, LD(p[0]))
     elif kind == "mixture":
         for q in range(0, len(p), 7):
-            gaussian(total, order, t, p[q], [LD(p[q + 1]) - origin[0], LD(p[q + 2]) - origin[1]], matrix(p[q + 3 : q + 7]))
+            place = [LD(p[q + 1]) - origin[0], LD(p[q + 2]) - origin[1]]
+            gaussian(total, order, t, p[q], place, matrix(p[q + 3 : q + 7]))
     else:
         nx, px, py, cx, cy, *samples = p
         ny = len(samples) // int(nx)
-        edges = lambda n, size, mid, o: [LD(mid) - o + (LD(i) - LD(n) / 2) * LD(size) for i in range(n + 1)]
-        cells(total, order, t, edges(int(nx), px, cx, origin[0]), edges(ny, py, cy, origin[1]),
-              np.array(samples).reshape(ny, int(nx)))
+        columns = edges(int(nx), px, LD(cx) - origin[0])
+        rows = edges(ny, py, LD(cy) - origin[1])
+        cells(total, order, t, columns, rows, np.array(samples).reshape(ny, int(nx)))
     scale = LD("6.283185307179586476925286766559") / np.sqrt(abs(ld(mp.det(wm))))
     s = [(-1) ** n * scale * total[n - b, b] for n in range(order + 1) for b in range(n + 1)]
-    r = lambda values: " ".join(repr(float(v)) for v in values)
-    shown = "native" if w is None else r(w)
-    return ";".join([kind, r(p), r(projection), shown, str(order), r(wm[i, j] for i in range(2) for j in range(2)), r(s)])
+    shown = "native" if w is None else text(w)
+    return ";".join([kind, text(p), text(projection), shown, str(order), text(wm), text(s)])
 
 
-def profiles(rng):
-    def cov(condition):
+def profiles(rng: random.Random) -> dict[str, list[float]]:
+    """One profile of each kind."""
+
+    def cov(condition: float) -> list[float]:
         c, s = np.cos(a := rng.uniform(0, 3)), np.sin(a)
         q = np.array([[c, -s], [s, c]])
         m = q @ np.diag([1.0, 1 / condition]) @ q.T * rng.uniform(0.5, 2)
@@ -208,32 +251,39 @@ def profiles(rng):
     }
 
 
-def thin(rng, condition):
+def turn(a: float) -> np.ndarray:
+    """A rotation."""
+    return np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]])
+
+
+def thin(rng: random.Random, condition: float) -> list[float]:
     """A projection of this condition number."""
     a, b = rng.uniform(0, 3), rng.uniform(0, 3)
-    turn = lambda a: np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]])
     return [float(v) for v in (turn(a) @ np.diag([1.0, 1 / condition]) @ turn(b)).ravel()]
 
 
-def main(seed=1, rounds=1, out=OUT):
-    rng = random.Random(seed)
-    lines = ["# written by validation/envelope_modes.py: kind; profile; P; native or W; order; W; (-i)^(a+b) mu_ab"]
-    for _ in range(rounds):
-        for kind, p in profiles(rng).items():
-            _, cov = moments_of(kind, p)
-            lines.append(case(kind, p, [1.0, 0.0, 0.0, 1.0], None, 12))
-            for condition, order in ((3, 24), (1e6, 8)):
-                projection = thin(rng, condition)
-                lines.append(case(kind, p, projection, None, order))
-                # another root: the native one, stretched and turned on the left
-                for spread in (1.0, 6.0):
-                    left = np.array(thin(rng, spread)).reshape(2, 2) * rng.uniform(0.4, 1.5)
-                    native = root_of(cov) * matrix(projection)
-                    w = mp.matrix(left.tolist()) * native
-                    lines.append(case(kind, p, projection, [float(w[i, j]) for i in range(2) for j in range(2)], 10))
-            print(kind, flush=True)
-    out.parent.mkdir(parents=True, exist_ok=True)
-    out.write_text("\n".join(lines) + "\n")
+def main() -> None:
+    """Write the table."""
+    rng = random.Random(1)
+    lines = [
+        "# written by validation/envelope_modes.py: "
+        "kind; profile; P; native or W; order; W; (-i)^(a+b) mu_ab"
+    ]
+    for kind, p in profiles(rng).items():
+        _, cov = moments_of(kind, p)
+        lines.append(case(kind, p, [1.0, 0.0, 0.0, 1.0], None, 12))
+        for condition, order in ((3, 24), (1e6, 8)):
+            projection = thin(rng, condition)
+            lines.append(case(kind, p, projection, None, order))
+            # another root: the native one, stretched and turned on the left
+            for spread in (1.0, 6.0):
+                left = np.array(thin(rng, spread)).reshape(2, 2) * rng.uniform(0.4, 1.5)
+                native = root_of(cov) * matrix(projection)
+                w = mp.matrix(left.tolist()) * native
+                lines.append(case(kind, p, projection, [float(v) for v in w], 10))
+        print(kind, flush=True)
+    OUT.parent.mkdir(parents=True, exist_ok=True)
+    OUT.write_text("\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":

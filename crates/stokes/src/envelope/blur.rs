@@ -5,11 +5,10 @@ use nalgebra::{Matrix2, Vector2};
 use crate::plane;
 
 use super::grid::Grid;
-use super::quadrature::Rules;
-use super::{Envelope, GaussianPatch, Profile};
+use super::{Envelope, GaussianPatch, Profile, disk};
 
 /// Standard deviations beyond which a Gaussian is left out: e^(−32) = 1e-14.
-const CUT: f64 = 8.0;
+pub(crate) const CUT: f64 = 8.0;
 
 /// Points along the longer axis of a search, at most.
 const FINEST: f64 = 1000.0;
@@ -48,6 +47,51 @@ pub(crate) fn largest_difference(
     }
     pair.climb(&mut search);
     search.largest / search.peak
+}
+
+/// The L² norm of the difference of the two, over that of the profile.
+pub(crate) fn relative_norm(envelope: &Envelope, patches: &[GaussianPatch]) -> f64 {
+    if matches!(&envelope.0, Profile::Gaussians(_)) {
+        return 0.0;
+    }
+    let grid = envelope.as_grid();
+    let whole = envelope.square_integral();
+    let cross: f64 = patches
+        .iter()
+        .map(|patch| patch.weight * under_patch(envelope, grid.as_ref(), patch))
+        .sum();
+    let pair = |a: &GaussianPatch, b: &GaussianPatch| {
+        let sum = a.covariance + b.covariance;
+        let apart = a.centre - b.centre;
+        let determinant = plane::determinant(&sum);
+        let exponent = apart.dot(&plane::apply(&plane::adjugate(&sum), &apart)) / determinant;
+        a.weight * b.weight * (-0.5 * exponent).exp() / (std::f64::consts::TAU * determinant.sqrt())
+    };
+    let square: f64 = patches
+        .iter()
+        .flat_map(|a| patches.iter().map(move |b| pair(a, b)))
+        .sum();
+    ((whole - 2.0 * cross + square).max(0.0) / whole).sqrt()
+}
+
+/// The mean of the profile over a patch.
+fn under_patch(envelope: &Envelope, grid: Option<&Grid>, patch: &GaussianPatch) -> f64 {
+    match (&envelope.0, grid) {
+        (Profile::Disk(radius), _) => {
+            // the disk looks the same in the patch's own axes
+            let axes = plane::singular_values(&patch.covariance);
+            let centre = axes.left.tr_mul(&patch.centre);
+            disk::under_gaussian(*radius, axes.values.map(f64::sqrt), centre.into())
+        }
+        (_, Some(grid)) => {
+            // a Gaussian is π^(1/2) h_0 h_0 of whitened coordinates
+            let root = plane::symmetric_root(&patch.covariance);
+            let mut moment = [0.0];
+            grid.moments(&plane::inverse(&root), &patch.centre, 0, &mut moment);
+            moment[0] / (2.0 * std::f64::consts::PI.sqrt() * plane::determinant(&root))
+        }
+        (_, None) => 0.0,
+    }
 }
 
 /// Where the difference was largest so far.
@@ -141,7 +185,9 @@ impl Pair<'_> {
 
     fn profile(&self, x: &Vector2<f64>) -> f64 {
         match (&self.envelope.0, &self.grid) {
-            (Profile::Disk(radius), _) => blurred_disk(*radius, self.lobe_sigma, x.norm()),
+            (Profile::Disk(radius), _) => {
+                disk::under_gaussian(*radius, [self.lobe_sigma; 2], [x.norm(), 0.0])
+            }
             (_, Some(grid)) => blurred_grid(grid, self.lobe_sigma, x),
             (_, None) => 0.0,
         }
@@ -178,37 +224,6 @@ fn blurred_grid(grid: &Grid, sigma: f64, x: &Vector2<f64>) -> f64 {
         sum += share * line;
     }
     sum
-}
-
-/// A disk against a Gaussian at distance `r` from its centre, by chords: with `t = R sin θ`,
-/// `∫ g(t − r) erf(√(R² − t²)/(√2 σ)) dt`.
-fn blurred_disk(radius: f64, sigma: f64, r: f64) -> f64 {
-    let reach = (CUT + 0.5) * sigma;
-    let [low, high] = [r - reach, r + reach].map(|t| (t / radius).clamp(-1.0, 1.0));
-    if low >= high {
-        return 0.0;
-    }
-    let mut rules = Rules::default();
-    let mut sum = 0.0;
-    // panels of one standard deviation; the first and the last of them touch the rim, where θ is the smooth variable
-    let panels = ((high - low) * radius / sigma).ceil().max(1.0) as usize;
-    let theta = |i: usize| (low + (high - low) * (i as f64 / panels as f64)).asin();
-    for i in 0..panels {
-        // the chord's error function is flat beyond eight standard deviations
-        let chords = [theta(i), theta(i + 1)].map(|angle| radius * angle.cos() / sigma);
-        let phase = if chords[0].min(chords[1]) < 8.0 {
-            8.0 + 3.0 * (chords[0] - chords[1]).abs()
-        } else {
-            8.0
-        };
-        for (angle, weight) in rules.on(theta(i), theta(i + 1), phase) {
-            let (sin, cos) = angle.sin_cos();
-            let d = (radius * sin - r) / sigma;
-            let chord = libm::erf(radius * cos / sigma * std::f64::consts::FRAC_1_SQRT_2);
-            sum += weight * radius * cos * (-0.5 * d * d).exp() * chord;
-        }
-    }
-    sum / (sigma * std::f64::consts::TAU.sqrt())
 }
 
 /// One blurred patch.

@@ -15,6 +15,7 @@ use num_complex::Complex64;
 use crate::hermite::{self, MAX_ORDER};
 use crate::plane::{self, SingularValues};
 
+use super::blur::CUT;
 use super::grid::add_products;
 use super::quadrature::{Rules, reach};
 use super::staircase::Staircase;
@@ -64,4 +65,43 @@ pub(crate) fn fourier(radius: f64, u: &Vector2<f64>) -> Complex64 {
     let area = std::f64::consts::PI * radius * radius;
     let falloff = if q == 0.0 { 1.0 } else { 2.0 * libm::j1(q) / q };
     Complex64::new(area * falloff, 0.0)
+}
+
+/// The mean of a disk's intensity over a normalised Gaussian with these standard deviations along two axes, about
+/// `centre`: what a lobe sees of it. By chords, with `x = R sin θ`:
+///
+/// ```text
+/// ∫ g(x − c₁) ½[erf((√(R²−x²) − c₂)/√2 σ₂) + erf((√(R²−x²) + c₂)/√2 σ₂)] dx
+/// ```
+pub(crate) fn under_gaussian(radius: f64, sigmas: [f64; 2], centre: [f64; 2]) -> f64 {
+    let [along, across] = sigmas;
+    let reach = (CUT + 0.5) * along;
+    let [low, high] = [centre[0] - reach, centre[0] + reach].map(|x| (x / radius).clamp(-1.0, 1.0));
+    if low >= high {
+        return 0.0;
+    }
+    let mut rules = Rules::default();
+    let mut sum = 0.0;
+    // panels of one standard deviation; θ stays smooth up to the rim
+    let panels = ((high - low) * radius / along).ceil().max(1.0) as usize;
+    let theta = |i: usize| (low + (high - low) * (i as f64 / panels as f64)).asin();
+    let scale = std::f64::consts::FRAC_1_SQRT_2 / across;
+    for i in 0..panels {
+        // error functions are flat eight standard deviations from where the chord ends
+        let [first, last] = [theta(i), theta(i + 1)].map(|angle| radius * angle.cos() / across);
+        let shift = centre[1].abs() / across;
+        let phase = if first.min(last) < 8.0 + shift {
+            8.0 + 3.0 * (first - last).abs()
+        } else {
+            8.0
+        };
+        for (angle, weight) in rules.on(theta(i), theta(i + 1), phase) {
+            let (sin, cos) = angle.sin_cos();
+            let d = (radius * sin - centre[0]) / along;
+            let chord = libm::erf((radius * cos - centre[1]) * scale)
+                + libm::erf((radius * cos + centre[1]) * scale);
+            sum += weight * radius * cos * (-0.5 * d * d).exp() * 0.5 * chord;
+        }
+    }
+    sum / (along * std::f64::consts::TAU.sqrt())
 }

@@ -238,7 +238,8 @@ impl EnvelopeModes {
     ///
     /// # Errors
     ///
-    /// When the truncated series is not positive there.
+    /// When the truncated series is not positive there, which was never seen: the partial sums over total orders of a
+    /// profile that is not negative stay above 0.
     pub fn rescaled(&self) -> Result<(Self, f64), EnvelopeError> {
         let (sum, area) = (self.sum_at_zero(), self.area);
         if sum.is_nan() || sum <= 0.0 {

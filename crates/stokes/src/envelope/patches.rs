@@ -171,6 +171,17 @@ impl Patches {
             lobe_sigma,
         ))
     }
+
+    /// The L² norm of the difference between the far fields of the patches and of the profile, over that of the
+    /// profile's; the same in every direction (Parseval).
+    ///
+    /// It does not vanish as the patches are refined: cells of matched variance leave ripples of `2 e^(−π²/6)`, 39 %, at
+    /// their own period, which only a lobe as wide as a patch smooths out ([`Patches::error`]). Takes a time of the
+    /// square of the number of patches; right to 1e-8.
+    #[must_use]
+    pub fn far_field_error(&self) -> f64 {
+        blur::relative_norm(&self.envelope, &self.patches)
+    }
 }
 
 /// Number of rings about the middle patch.
