@@ -63,6 +63,38 @@ pub fn whitened_mode(a: usize, b: usize, shape: &ShapeMatrix, w: &Vector2<f64>) 
     libm::scalbn(mantissa, first.exponent + second.exponent)
 }
 
+/// Scratch for any order, and for the rest of the last group of four.
+pub(crate) const LARGEST: usize = MAX_ORDER + 4;
+
+/// Calls a function with the order and a constant that exceeds it, the size of its scratch: filling 257 places costs
+/// more than a low order itself. Up to order 8 the compiler knows the order, too; beyond, the size exceeds it by 4.
+macro_rules! by_order {
+    ($order:expr, $function:ident ($($argument:expr),*)) => {
+        match $order {
+            0 => $function::<_, 1>(0, $($argument),*),
+            1 => $function::<_, 2>(1, $($argument),*),
+            2 => $function::<_, 3>(2, $($argument),*),
+            3 => $function::<_, 4>(3, $($argument),*),
+            4 => $function::<_, 5>(4, $($argument),*),
+            5 => $function::<_, 6>(5, $($argument),*),
+            6 => $function::<_, 7>(6, $($argument),*),
+            7 => $function::<_, 8>(7, $($argument),*),
+            8 => $function::<_, 9>(8, $($argument),*),
+            order @ 9..17 => apart(|| $function::<_, 20>(order, $($argument),*)),
+            order @ 17..33 => apart(|| $function::<_, 36>(order, $($argument),*)),
+            order @ 33..65 => apart(|| $function::<_, 68>(order, $($argument),*)),
+            order => apart(|| $function::<_, LARGEST>(order, $($argument),*)),
+        }
+    };
+}
+pub(crate) use by_order;
+
+/// Calls a function whose stack shall not burden its neighbours.
+#[inline(never)]
+pub(crate) fn apart<R>(function: impl FnOnce() -> R) -> R {
+    function()
+}
+
 /// All products `h_a(y1) h_b(y2)`, a + b ≤ `order`, at one point `y`, into `modes` in order.
 ///
 /// `T` is `f32` or `f64`. Multiply by `|det W|^(1/2)` for `φ_ab`. No allocation.
@@ -80,16 +112,52 @@ pub fn all_modes<T: Real>(order: usize, y: [T; 2], modes: &mut [T]) {
         mode_count(order),
         "places for the modes of order {order}"
     );
-    // h_b(y2) waits in the last total order, whose place (a, order − a) is overwritten when a is done
-    let last = mode_index(order, 0);
-    hermite::fill(y[1], &mut modes[last..]);
-    let mut first = [T::zero(); MAX_ORDER + 1];
-    hermite::fill(y[0], &mut first[..=order]);
-    for (a, along) in first[..=order].iter().enumerate() {
-        let mut place = mode_index(a, 0);
-        for b in 0..=order - a {
-            modes[place] = *along * modes[last + b];
-            place += a + b + 2;
+    if hermite::near(&y) {
+        let start = hermite::gaussians(&y);
+        let fill = |h: &mut [_]| hermite::fill_near(&y, &start, h);
+        by_order!(order, all_modes_sized(fill, modes));
+    } else {
+        let fill = |h: &mut [_]| hermite::fill_lanes(&y, h);
+        apart(|| all_modes_sized::<T, LARGEST>(order, fill, modes));
+    }
+}
+
+#[inline(always)]
+fn all_modes_sized<T: Real, const SIZE: usize>(
+    order: usize,
+    fill: impl Fn(&mut [[T; 2]]),
+    modes: &mut [T],
+) {
+    let mut h = [[T::zero(); 2]; SIZE];
+    fill(&mut h[..=order]);
+    let modes = &mut modes[..mode_count(order)];
+    if order <= 8 {
+        // half-open ranges: the compiler unrolls them
+        for n in 0..order + 1 {
+            for b in 0..n + 1 {
+                modes[mode_index(n - b, b)] = h[n - b][0] * h[b][1];
+            }
         }
+        return;
+    }
+    // the first axis backwards, so that a total order is the product of two slices
+    let (mut first, mut second) = ([T::zero(); SIZE], [T::zero(); SIZE]);
+    for n in 0..order + 1 {
+        first[order - n] = h[n][0];
+        second[n] = h[n][1];
+    }
+    // in groups of four; what a group writes too many is overwritten by the next total order
+    let mut place = 0;
+    for n in 0..order {
+        let along = first[order - n..].as_chunks::<4>().0;
+        let across = second.as_chunks::<4>().0;
+        let groups = modes[place..].as_chunks_mut::<4>().0.iter_mut();
+        for ((group, along), across) in groups.zip(along).zip(&across[..n / 4 + 1]) {
+            *group = std::array::from_fn(|l| along[l] * across[l]);
+        }
+        place += n + 1;
+    }
+    for ((mode, along), across) in modes[place..].iter_mut().zip(&first).zip(&second) {
+        *mode = *along * *across;
     }
 }

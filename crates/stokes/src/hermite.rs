@@ -10,9 +10,9 @@
 //! `e^(-t²/2)` underflows at |t| = 38.6 (f64) and 13.2 (f32), long before `h_64` is negligible. Beyond
 //! [`Real::NEAR`] the start therefore carries an exponent of its own.
 
-use std::sync::LazyLock;
-
 use num_traits::Float;
+
+use crate::gaussian;
 
 /// Highest order of any Hermite-Gauss function or series in this crate.
 pub const MAX_ORDER: usize = 256;
@@ -59,20 +59,14 @@ impl Real for f64 {
         self
     }
 
-    /// The rounding of `t²` alone would cost `t²/2` units in the last place (680 at the far end): the square of
-    /// the leading half of `t` is exact, and the rest is a factor near 1.
-    #[inline]
+    #[inline(always)]
     fn gaussian(self) -> Self {
-        let head = Self::from_bits(self.to_bits() & !0x07ff_ffff);
-        let d = 0.5 * (self - head) * (self + head);
-        PI_FOURTH_ROOT_INVERSE
-            * (-0.5 * head * head).exp()
-            * (1.0 - d * (1.0 - d * (0.5 - d / 6.0)))
+        gaussian::of_f64(self)
     }
 
     #[inline]
     fn steps() -> &'static [[Self; 2]; MAX_ORDER] {
-        &STEPS_F64
+        const { &STEPS_F64 }
     }
 }
 
@@ -89,16 +83,14 @@ impl Real for f32 {
         f64::from(self)
     }
 
-    #[inline]
+    #[inline(always)]
     fn gaussian(self) -> Self {
-        // the square of an f32 is exact in f64
-        let t = f64::from(self);
-        (PI_FOURTH_ROOT_INVERSE * (-0.5 * t * t).exp()) as Self
+        gaussian::of_f32(self)
     }
 
     #[inline]
     fn steps() -> &'static [[Self; 2]; MAX_ORDER] {
-        &STEPS_F32
+        const { &STEPS_F32 }
     }
 }
 
@@ -204,10 +196,8 @@ pub fn hermite<T: Real>(n: usize, t: T) -> T {
     if t.abs() <= T::NEAR {
         let (mut before, mut now) = (T::zero(), t.gaussian());
         for i in 0..n {
-            let next = (i + 1) as f64;
-            let value = T::from_f64((2.0 / next).sqrt()) * t * now
-                - T::from_f64((i as f64 / next).sqrt()) * before;
-            (before, now) = (now, value);
+            let [up, down] = step::<T>(i);
+            (before, now) = (now, up * t * now - down * before);
         }
         return now;
     }
@@ -217,39 +207,110 @@ pub fn hermite<T: Real>(n: usize, t: T) -> T {
 /// `√(2/(n+1))` and `√(n/(n+1))`, the recurrence's two factors, for n = 0..[`MAX_ORDER`].
 type Steps<T> = [[T; 2]; MAX_ORDER];
 
-fn make_steps<T: Real>() -> Steps<T> {
-    std::array::from_fn(|n| {
+const STEPS_F64: Steps<f64> = {
+    let mut steps = [[0.0; 2]; MAX_ORDER];
+    let mut n = 0;
+    while n < MAX_ORDER {
+        let next = n as u128 + 1;
+        steps[n] = [root(128, next) / 8.0, root(n as u128, next)];
+        n += 1;
+    }
+    steps
+};
+
+const STEPS_F32: Steps<f32> = {
+    let mut steps = [[0.0; 2]; MAX_ORDER];
+    let mut n = 0;
+    while n < MAX_ORDER {
+        steps[n] = [STEPS_F64[n][0] as f32, STEPS_F64[n][1] as f32];
+        n += 1;
+    }
+    steps
+};
+
+/// The factors after `h_n`, for any n.
+fn step<T: Real>(n: usize) -> [T; 2] {
+    T::steps().get(n).copied().unwrap_or_else(|| {
         let next = (n + 1) as f64;
         [(2.0 / next).sqrt(), (n as f64 / next).sqrt()].map(T::from_f64)
     })
 }
 
-static STEPS_F64: LazyLock<Steps<f64>> = LazyLock::new(make_steps);
-static STEPS_F32: LazyLock<Steps<f32>> = LazyLock::new(make_steps);
+/// `√(p/q)` for p < 256, to 2^-59 and the rounding to f64.
+const fn root(p: u128, q: u128) -> f64 {
+    ((p << 118) / q).isqrt() as f64 / (1_u64 << 59) as f64
+}
 
 /// `h_0(t), h_1(t) …` into `values`, at most [`MAX_ORDER`] + 1 of them.
 #[inline]
 pub(crate) fn fill<T: Real>(t: T, values: &mut [T]) {
-    if t.abs() <= T::NEAR {
-        fill_from(t, t.gaussian(), values);
-    } else if let Some(order) = values.len().checked_sub(1) {
-        each_scaled(order, t.to_f64(), |n, value| {
-            values[n] = T::from_f64(value.value());
-        });
+    fill_lanes(&[t], values.as_chunks_mut().0);
+}
+
+/// `h_0, h_1 …` of L arguments side by side into `values`, at most [`MAX_ORDER`] + 1 of them.
+///
+/// The loops over the lanes become vector code. Where a lane is beyond [`Real::NEAR`], or not a number, all take the
+/// scalar road, so that each value is [`hermite`]'s, whatever its neighbours are.
+#[inline(always)]
+pub(crate) fn fill_lanes<T: Real, const L: usize>(t: &[T; L], values: &mut [[T; L]]) {
+    if near(t) {
+        fill_near(t, &gaussians(t), values);
+    } else {
+        fill_far(t, values);
     }
 }
 
-/// The recurrence from a given `h_0`.
-#[inline]
-pub(crate) fn fill_from<T: Real>(t: T, start: T, values: &mut [T]) {
-    let (mut before, mut now) = (T::zero(), start);
+/// Whether no argument needs an exponent of its own.
+#[inline(always)]
+pub(crate) fn near<T: Real, const L: usize>(t: &[T; L]) -> bool {
+    t.iter().fold(true, |near, t| near & (t.abs() <= T::NEAR))
+}
+
+/// `h_0` of arguments that are [`near`].
+#[inline(always)]
+pub(crate) fn gaussians<T: Real, const L: usize>(t: &[T; L]) -> [T; L] {
+    let mut gaussians = [T::zero(); L];
+    for l in 0..L {
+        gaussians[l] = t[l].gaussian();
+    }
+    gaussians
+}
+
+/// As [`fill_lanes`], for arguments that are [`near`] and have the given `h_0`.
+#[inline(always)]
+pub(crate) fn fill_near<T: Real, const L: usize>(
+    t: &[T; L],
+    start: &[T; L],
+    values: &mut [[T; L]],
+) {
     let Some((first, rest)) = values.split_first_mut() else {
         return;
     };
+    let (mut before, mut now) = ([T::zero(); L], *start);
     *first = now;
     for (value, [up, down]) in rest.iter_mut().zip(T::steps()) {
-        *value = *up * t * now - *down * before;
-        (before, now) = (now, *value);
+        let next = std::array::from_fn(|l| *up * t[l] * now[l] - *down * before[l]);
+        *value = next;
+        (before, now) = (now, next);
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn fill_far<T: Real, const L: usize>(t: &[T; L], values: &mut [[T; L]]) {
+    for (l, t) in t.iter().enumerate() {
+        if t.abs() <= T::NEAR {
+            let (mut before, mut now) = (T::zero(), t.gaussian());
+            for (n, value) in values.iter_mut().enumerate() {
+                value[l] = now;
+                let [up, down] = step::<T>(n);
+                (before, now) = (now, up * *t * now - down * before);
+            }
+        } else if let Some(order) = values.len().checked_sub(1) {
+            each_scaled(order, Real::to_f64(*t), |n, h| {
+                values[n][l] = T::from_f64(h.value());
+            });
+        }
     }
 }
 
@@ -354,11 +415,19 @@ mod tests {
 
     #[test]
     fn a_filled_table_is_the_single_functions() {
-        let mut values = [0.0; 101];
-        for t in [0.0, -2.5, 14.0, 38.9, 45.0] {
-            fill(t, &mut values);
+        let mut values = [[0.0; 2]; 101];
+        for t in [
+            [0.0, -2.5],
+            [14.0, 0.1],
+            [38.9, 1.0],
+            [2.0, f64::NAN],
+            [-45.0, 39.0],
+        ] {
+            fill_lanes(&t, &mut values);
             for (n, value) in values.iter().enumerate() {
-                assert_eq!(*value, hermite(n, t));
+                for l in 0..2 {
+                    assert_eq!(value[l].to_bits(), hermite(n, t[l]).to_bits(), "{n} {t:?}");
+                }
             }
         }
     }

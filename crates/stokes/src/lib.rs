@@ -60,8 +60,8 @@
 //! | χ = ½ atan2(S3, √(S1² + S2²)) | ellipticity angle | rad | [`StokesVector::ellipticity_angle`] |
 //! | M | Mueller matrix | 1 | [`Mueller`] |
 //! | a, b, c, s | diattenuator and retarder on common axes | 1 | [`DiattenuatingRetarder`] |
-//! | h_n(t) | Hermite-Gauss function of one variable (S1.1) | 1 | [`hermite`] |
-//! | φ_ab(w; W) | whitened orthonormal mode, a + b ≤ N | m | [`whitened_mode`], [`all_modes`] |
+//! | h_n(t) | Hermite-Gauss function of one variable (S1.1) | 1 | [`hermite`], [`hermite_all`] |
+//! | φ_ab(w; W) | whitened orthonormal mode, a + b ≤ N | m | [`whitened_mode`], [`all_modes`], [`all_modes_at`] |
 //! | Ψ^Θ_nm, Ψ̃^Θ_nm | the paper's covariant family and its dual (S1.2, S1.3, in the plane) | m^(1±(n+m)) | [`covariant_mode`] |
 //! | Sym^N(A) | a linear map's action on the modes of total order N | | [`symmetric_power`] |
 //! | Θ | shape matrix (Definition 4.1, Lemma 4.4) | 1/m² | [`ShapeMatrix`] |
@@ -89,6 +89,27 @@
 //! two-dimensional form (norm `(π²|Θ|)^(1/4)`, Fourier factor `2π`, Jacobian `(r/k)²`). Where a printed formula is wrong,
 //! `tests/errata` of this crate shows it failing and the one used here holding: (S1.5), the remark after (S1.6), (S2.12),
 //! (S2.13), (S2.17), property (1) of the Wigner function, (S3.4), (S3.5), the cone after (S4.6), (S4.9), (S4.10), (S4.11).
+//!
+//! # Cost and error
+//!
+//! What `cargo run --release -p stokes --example run_time_against_error -- OUT.csv` prints, on one core of a 2 GHz Xeon
+//! that others used too (`docs/run_time_against_error.csv`; its build knows nothing newer than SSE2). Nanoseconds to
+//! sum a series of order N at a point: [`contract`] in f64, [`contract_at`] for 16 points in f32. Errors of the
+//! truncated far field in the L² norm, relative: a Gaussian over a shape of twice its variance, a square whose
+//! half-width is 4 σ of the shape. Evaluation in f32 adds less than 1e-6 of the largest value (measured
+//! within three standard deviations).
+//!
+//! | N | f64, ns | f32, 16 points, ns a point | Gaussian | square |
+//! |---|---|---|---|---|
+//! | 0 | 12 | 3.5 | 0.33 | 0.90 |
+//! | 2 | 18 | 4.6 | 0.11 | 0.78 |
+//! | 4 | 27 | 6.2 | 0.037 | 0.65 |
+//! | 8 | 50 | 15 | 0.0041 | 0.38 |
+//! | 16 | 210 | 39 | 5.1e-5 | 0.21 |
+//! | 32 | 502 | 113 | 7.7e-9 | 0.15 |
+//! | 64 | 1167 | 389 | 1.8e-16 | 0.12 |
+//!
+//! A hard edge converges as N^(−1/4) only: split such a source instead ([`Envelope::patches_for`]).
 #![forbid(unsafe_code)]
 
 mod basis;
@@ -99,7 +120,9 @@ mod covariant_series;
 mod double;
 mod envelope;
 mod frame;
+mod gaussian;
 mod hermite;
+mod lanes;
 mod log_hessian;
 mod mueller;
 mod observables;
@@ -123,6 +146,7 @@ pub use envelope::{
 };
 pub use frame::{Frame, FrameError, FrameRotation};
 pub use hermite::{MAX_ORDER, Real, hermite};
+pub use lanes::{all_modes_at, contract, contract_at, hermite_all, hermite_all_at};
 pub use log_hessian::{inverse_log_hessian, inverse_of_sum, log_hessian};
 pub use mueller::{DiattenuatingRetarder, Mueller};
 pub use observables::{Handedness, PolarizationEllipse};

@@ -6,7 +6,8 @@ use smallvec::{SmallVec, smallvec};
 use thiserror::Error;
 
 use crate::basis::{mode_count, mode_index};
-use crate::hermite::{self, MAX_ORDER};
+use crate::hermite::MAX_ORDER;
+use crate::lanes::parity_sums;
 use crate::shape::ShapeMatrix;
 use crate::symmetric_power::raise;
 
@@ -266,62 +267,22 @@ impl HermiteSeries {
     /// Error of a few `ε` times `|det W|^(1/2)` times the norm. No allocation.
     #[must_use]
     pub fn value(&self, shape: &ShapeMatrix, w: &Vector2<f64>) -> Complex64 {
-        let by_order = |n: usize, t: f64| match n % 4 {
-            0 => (t, 0.0),
-            1 => (0.0, t),
-            2 => (-t, 0.0),
-            _ => (0.0, -t),
-        };
         let y = shape.whiten(w);
-        let (mut re, mut im) = (0.0, 0.0);
-        self.each_order(y, |n, t| {
-            let (even, odd) = by_order(n, t);
-            re += even;
-            im += odd;
-        });
+        let [re, im] = parity_sums(self.order, &self.real, [y.x, y.y], self.odd, true);
         Complex64::new(re, im) * shape.root_determinant().sqrt()
     }
 
     /// The sum of the real coefficients, `Σ s_ab h_a(y1) h_b(y2)`, at a whitened point `y`.
     #[must_use]
     pub fn real_sum(&self, y: &Vector2<f64>) -> f64 {
-        let mut sum = 0.0;
-        self.each_order(*y, |_, t| sum += t);
-        sum
+        let [even, odd] = parity_sums(self.order, &self.real, [y.x, y.y], self.odd, false);
+        even + odd
     }
 
     /// The value at 0, which is real.
     #[must_use]
     pub fn value_at_zero(&self, shape: &ShapeMatrix) -> f64 {
         self.value(shape, &Vector2::zeros()).re
-    }
-
-    /// Calls `take(n, Σ_{a+b=n} s_ab h_a(y1) h_b(y2))` for every total order that is there.
-    fn each_order(&self, y: Vector2<f64>, take: impl FnMut(usize, f64)) {
-        // scratch of a size near the order's: filling 257 places costs more than a low order itself
-        match self.order {
-            0 => self.sum_orders::<1>(y, take),
-            1..8 => self.sum_orders::<8>(y, take),
-            8..32 => self.sum_orders::<32>(y, take),
-            _ => self.sum_orders::<{ MAX_ORDER + 1 }>(y, take),
-        }
-    }
-
-    fn sum_orders<const SIZE: usize>(&self, y: Vector2<f64>, mut take: impl FnMut(usize, f64)) {
-        let (mut first, mut second) = ([0.0; SIZE], [0.0; SIZE]);
-        hermite::fill(y.x, &mut first[..=self.order]);
-        hermite::fill(y.y, &mut second[..=self.order]);
-        let step = if self.odd { 1 } else { 2 };
-        for n in (0..=self.order).step_by(step) {
-            let along = first[..=n].iter().rev();
-            let sum = total_order(&self.real, n)
-                .iter()
-                .zip(along)
-                .zip(&second)
-                .map(|((s, h_a), h_b)| s * h_a * h_b)
-                .sum();
-            take(n, sum);
-        }
     }
 }
 

@@ -1,0 +1,178 @@
+#!/usr/bin/env python3
+"""Time against error of the Hermite-Gauss evaluation: measures, keeps the CSV, draws the PNG.
+
+    python3 validation/run_time_against_error.py [-o DIR]
+
+Runs the example `run_time_against_error` of crate `stokes` (release build) and writes
+run_time_against_error.csv and .png to docs/, or to DIR.  `--csv FILE` draws an earlier CSV instead
+of measuring.  Needs what run.py needs and uses its virtual environment.  Measure on a quiet
+machine: the figures are medians of rounds in which the contestants take turns, so that ratios hold
+on a busy one too, but times do not.
+"""
+
+import argparse
+import csv
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, NoReturn
+
+import run
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+NAME = "run_time_against_error"
+EXAMPLE = ["cargo", "run", "--release", "-p", "stokes", "--example", NAME, "--"]
+
+Row = dict[str, str]
+
+# Okabe and Ito's colours, and a marker of its own for each source
+SOURCES = {
+    ("gaussian", "variance × 2"): ("#0072B2", "o", "-", "Gaussian, shape's variance × 2"),
+    ("rectangle", "variance matched"): ("#D55E00", "s", "-", "rectangle, variance matched"),
+    ("rectangle", "half-width 4 σ"): ("#D55E00", "s", "--", "rectangle, half-width 4 σ"),
+    ("disk", "variance matched"): ("#009E73", "^", "-", "disk, variance matched"),
+    ("disk", "half-width 4 σ"): ("#009E73", "^", "--", "disk, radius 4 σ"),
+}
+# the lines of the right panel: one width a source, the better one at high order
+DRAWN = [("gaussian", "variance × 2"), ("rectangle", "half-width 4 σ"), ("disk", "half-width 4 σ")]
+# where the right panel ends
+LEAST_ERROR = 1e-5
+TASKS = {
+    "project": ("-", "full", "coefficients of the source, f64"),
+    "evaluate f64": ("--", "full", "series at one point, f64"),
+    "evaluate f32": (":", "none", "series at one point, f32"),
+    "evaluate f32 16 points": ("-.", "none", "series at 16 points at once, f32, per point"),
+}
+
+
+def in_environment() -> None:
+    """Prepare the virtual environment and go on inside it."""
+    run.prepare()
+    if Path(sys.prefix).resolve() != run.VENV.resolve():
+        os.execv(run.PYTHON, [str(run.PYTHON), str(Path(__file__).resolve()), *sys.argv[1:]])
+
+
+def fail(reason: str) -> NoReturn:
+    """Say why there is no picture, and leave with status 2."""
+    print(f"{NAME}: {reason}", file=sys.stderr)
+    sys.exit(2)
+
+
+def of_source(rows: list[Row], task: str, source: tuple[str, str]) -> list[Row]:
+    """Return the rows of one line, by order."""
+    found = [r for r in rows if r["task"] == task and (r["source"], r["width"]) == source]
+    if not found:
+        fail(f"the CSV has no rows of '{task}' for '{', '.join(source)}'")
+    return sorted(found, key=lambda r: int(r["order"]))
+
+
+def draw_errors(axes: "Axes", rows: list[Row]) -> None:
+    """Draw both errors against the order."""
+    for source, (colour, marker, style, label) in SOURCES.items():
+        line = of_source(rows, "project", source)
+        orders = [int(r["order"]) for r in line]
+        look = {"color": colour, "marker": marker, "markersize": 4, "linestyle": style}
+        axes.plot(orders, [float(r["l2_error"]) for r in line], label=label, **look)
+        at_zero = [abs(float(r["error_at_zero"])) for r in line]
+        look |= {"markerfacecolor": "none", "linewidth": 0.6, "alpha": 0.65}
+        axes.plot(orders, at_zero, **look)
+    axes.plot([], [], color="grey", marker="o", markersize=4, label="filled: L² error / |f|")
+    axes.plot(
+        [], [], color="grey", marker="o", markersize=4, markerfacecolor="none", linewidth=0.6,
+        label="open: |error of f(0)| / f(0)",
+    )  # fmt: skip
+    rounding = [r for r in rows if r["task"] == "evaluate f32"]
+    axes.plot(
+        sorted({int(r["order"]) for r in rounding}),
+        [
+            max(float(r["f32_error"]) for r in rounding if int(r["order"]) == order)
+            for order in sorted({int(r["order"]) for r in rounding})
+        ],
+        color="black", linestyle=":", label="rounding of f32, worst source",
+    )  # fmt: skip
+    axes.set_xscale("symlog", base=2, linthresh=1)
+    axes.set_yscale("log")
+    axes.set_ylim(1e-8, 2)
+    ticks = [0, 1, 2, 4, 8, 16, 32, 64]
+    axes.set_xticks(ticks, [str(t) for t in ticks])
+    axes.set_xlabel("order N of the series")
+    axes.set_ylabel("relative error")
+    axes.legend(fontsize=7, handlelength=3.5, loc="center left")
+
+
+def draw_times(axes: "Axes", rows: list[Row]) -> None:
+    """Draw time against L² error."""
+    for source in DRAWN:
+        colour, marker, _, _ = SOURCES[source]
+        for task, (style, fill, _) in TASKS.items():
+            line = [
+                r
+                for r in of_source(rows, task, source)
+                # these sources have no odd orders
+                if float(r["l2_error"]) >= LEAST_ERROR and int(r["order"]) % 2 == 0
+            ]
+            axes.plot(
+                [float(r["l2_error"]) for r in line], [float(r["ns"]) for r in line],
+                color=colour, marker=marker, markersize=4, linestyle=style,
+                markerfacecolor=colour if fill == "full" else "none",
+            )  # fmt: skip
+    for source in DRAWN:
+        colour, marker, _, label = SOURCES[source]
+        axes.plot([], [], color=colour, marker=marker, markersize=4, label=label)
+    for style, _, label in TASKS.values():
+        axes.plot([], [], color="grey", linestyle=style, label=label)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.invert_xaxis()
+    axes.set_xlabel("L² error / |f| (N = 0, 2, 4, 6, 8, 12, 16 … along each line)")
+    axes.set_ylabel("time, ns")
+    axes.legend(fontsize=7, handlelength=3.5, loc="upper right")
+
+
+def draw(rows: list[Row], png: Path) -> None:
+    """Draw both panels."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    figure, (left, right) = pyplot.subplots(1, 2, figsize=(12, 5.2), layout="constrained")
+    draw_errors(left, rows)
+    left.set_title("error of a truncated far field", fontsize=10)
+    draw_times(right, rows)
+    right.set_title("time against error, one core", fontsize=10)
+    for axes in (left, right):
+        axes.grid(which="major", linewidth=0.4, alpha=0.5)
+    figure.savefig(png, dpi=110)
+
+
+def main() -> int:
+    """Measure, copy, draw."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("-o", metavar="DIR", type=Path, default=run.ROOT / "docs")
+    parser.add_argument("--csv", metavar="FILE", type=Path, help="draw this one, measure nothing")
+    args = parser.parse_args()
+    in_environment()
+    args.o.mkdir(parents=True, exist_ok=True)
+    table = (args.o / f"{NAME}.csv").resolve()
+    if args.csv is None:
+        if subprocess.run([*EXAMPLE, str(table)], cwd=run.ROOT).returncode != 0:
+            fail("the example failed")
+    elif args.csv.resolve() != table:
+        shutil.copyfile(args.csv, table)
+    with table.open(encoding="utf-8", newline="") as lines:
+        rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+    png = table.with_suffix(".png")
+    draw(rows, png)
+    print(f"wrote {table} and {png}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
