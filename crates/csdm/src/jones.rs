@@ -78,6 +78,12 @@ impl JonesMatrix {
         self.0
     }
 
+    /// The same element with all amplitudes times `factor`.
+    #[must_use]
+    pub fn scaled(&self, factor: Complex64) -> Self {
+        Self(self.0 * factor)
+    }
+
     /// The element turned by `angle` radians about the ray, counter-clockwise for a receiver who faces the source;
     /// the frames stay.
     #[must_use]
@@ -116,8 +122,14 @@ impl JonesMatrix {
     }
 }
 
+impl From<Matrix2<Complex64>> for JonesMatrix {
+    fn from(matrix: Matrix2<Complex64>) -> Self {
+        Self(matrix)
+    }
+}
+
 /// The identity, then the Pauli matrices in the order of S1, S2, S3.
-fn pauli() -> [Matrix2<Complex64>; 4] {
+pub(crate) fn pauli() -> [Matrix2<Complex64>; 4] {
     [
         Matrix2::new(ONE, ZERO, ZERO, ONE),
         Matrix2::new(ONE, ZERO, ZERO, -ONE),

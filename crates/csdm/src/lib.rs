@@ -4,7 +4,16 @@
 //! the page of [`stokes`]. Jones matrices act on `(E_x, E_y)` in the frame of the ray, and `x` is s at an interface.
 #![forbid(unsafe_code)]
 
+mod coherence;
+mod csdm;
+mod elements;
 pub mod fresnel;
 mod jones;
+mod jones_polar;
+mod positivity;
 
+pub use csdm::CrossSpectralDensity;
+pub use elements::ElementError;
 pub use jones::{JonesMatrix, stokes_vector};
+pub use jones_polar::JonesPolar;
+pub use positivity::CoherenceError;
