@@ -212,14 +212,16 @@ mod tests {
             prop_assume!(c[0].norm() > 1e-2);
             let cross = |m: &CrossSpectralDensity| m.degree_of_cross_polarization().unwrap();
             prop_assert!(close(cross(&pair) * c[0].norm(), cross(&turned) * c[0].norm()));
-            // Shirai & Wolf's form of it
+            // Shirai & Wolf's form of it; both sides are sums of terms up to |C_j|²/|C0|²
             let m = pair.to_matrix();
-            let by_traces = (2.0 * (m.adjoint() * m).trace().re / m.trace().norm_sqr() - 1.0).sqrt();
-            prop_assert!((cross(&pair) - by_traces).abs() < 1e-10 * (1.0 + by_traces));
+            let square = cross(&pair).powi(2);
+            let tolerance = 2e-14 * (1.0 + square);
+            let by_traces = 2.0 * (m.adjoint() * m).trace().re / m.trace().norm_sqr() - 1.0;
+            prop_assert!((square - by_traces).abs() < tolerance);
             let complex = pair.complex_degree_of_polarization().unwrap();
             let determinant = m[(0, 0)] * m[(1, 1)] - m[(0, 1)] * m[(1, 0)];
-            let square = 1.0 - 4.0 * determinant / m.trace().powi(2);
-            prop_assert!((complex * complex - square).norm() < 1e-12 * (1.0 + square.norm()));
+            let by_determinant = 1.0 - 4.0 * determinant / m.trace().powi(2);
+            prop_assert!((complex * complex - by_determinant).norm() < tolerance);
         }
     }
 }

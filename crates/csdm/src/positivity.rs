@@ -77,8 +77,9 @@ impl CrossSpectralDensity {
     ///
     /// # Errors
     ///
-    /// With the element that deviates most, and by how much.
+    /// With the element that deviates most, and by how much; or with one that is infinite or not a number.
     pub fn check_hermitian(&self, tolerance: f64) -> Result<(), CoherenceError> {
+        Self::new(self.0)?;
         let limit = tolerance * self.0.camax();
         let worst = [(0, 0), (0, 1), (1, 1)]
             .map(|(row, column)| {

@@ -63,10 +63,7 @@ fn make_orthogonal(a: &mut Matrix3<f64>, v: &mut Matrix3<f64>, p: usize, q: usiz
     let cos = 1.0 / tangent.hypot(1.0);
     let sin = cos * tangent;
     for matrix in [a, v] {
-        let (first, second) = (
-            matrix.column(p).into_owned(),
-            matrix.column(q).into_owned(),
-        );
+        let (first, second) = (matrix.column(p).into_owned(), matrix.column(q).into_owned());
         matrix.set_column(p, &(first * cos - second * sin));
         matrix.set_column(q, &(first * sin + second * cos));
     }
