@@ -70,7 +70,7 @@ impl CrossSpectralDensity {
             return Ok(1.0);
         }
         let degree = stokes.degree_of_polarization();
-        Ok(4.0 * (self.determinant() / stokes.s0()) / stokes.s0() / (1.0 + degree))
+        Ok(4.0 * (self.determinant_over(stokes.s0()) / stokes.s0()) / (1.0 + degree))
     }
 
     /// Spectral degree of coherence `γ = tr C(r₁, r₂)/√(I(r₁) I(r₂))` for the intensities at the two points; of
@@ -154,6 +154,11 @@ mod tests {
             assert!((found / exact - 1.0).abs() < 4e-16, "{missing} {found}");
         }
         assert_eq!(real(0.0, 0.0, 0.0).unpolarized_fraction().unwrap(), 1.0);
+        for size in [1e-300, 1e-160, 1e160, 1e300] {
+            let matrix = real(size, 0.0, 1e-3 * size);
+            let found = matrix.unpolarized_fraction().unwrap();
+            assert!((found / (2e-3 / 1.001) - 1.0).abs() < 1e-15);
+        }
     }
 
     #[test]

@@ -184,8 +184,8 @@ fn unit(field: Vector2<Complex64>) -> Result<Vector2<Complex64>, ElementError> {
             y: field.y,
         });
     }
-    let scaled = field / Complex64::from(largest);
-    Ok(scaled / Complex64::from(scaled.norm()))
+    let scaled = field.map(|e| e / largest);
+    Ok(scaled.map(|e| e / scaled.norm()))
 }
 
 #[cfg(test)]

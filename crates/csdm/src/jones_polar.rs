@@ -19,6 +19,7 @@ use nalgebra::Matrix2;
 use num_complex::Complex64;
 
 use crate::jones::{JonesMatrix, pauli};
+use crate::scale::power_of_two;
 
 /// A determinant below this much of the squared norm is rounding: its phase means nothing.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
@@ -54,8 +55,7 @@ impl JonesMatrix {
     /// ```
     #[must_use]
     pub fn singular_values(&self) -> [f64; 2] {
-        let parts = Parts::of(self);
-        [parts.larger(), parts.smaller()]
+        Parts::of(self).singular_values()
     }
 
     /// Diattenuation `(σ₁² − σ₂²)/(σ₁² + σ₂²)`, in `0.0..=1.0`; 0 for the zero matrix.
@@ -108,13 +108,14 @@ impl JonesMatrix {
         JonesPolar {
             retarder: Self::from(unitary),
             diattenuator: Self::from(hermitian),
-            singular_values: [parts.larger(), parts.smaller()],
+            singular_values: parts.singular_values(),
         }
     }
 }
 
-/// `T + e^{iθ}K`, and the sum and the difference of the singular values.
+/// `T + e^{iθ}K`, and the sum and the difference of the singular values, all of `T` over `scale`.
 struct Parts {
+    scale: f64,
     plus: Matrix2<Complex64>,
     determinant: f64,
     sum: f64,
@@ -124,7 +125,12 @@ struct Parts {
 impl Parts {
     fn of(jones: &JonesMatrix) -> Self {
         let m = jones.to_matrix();
-        let determinant = jones.determinant();
+        let largest = m.iter().fold(0.0, |largest: f64, e| {
+            largest.max(e.re.abs()).max(e.im.abs())
+        });
+        let scale = power_of_two(largest);
+        let m = m.map(|e| e / scale);
+        let determinant = JonesMatrix::from(m).determinant();
         let known = determinant.norm() > ROUNDING * m.norm_squared();
         let phase = if known {
             determinant / determinant.norm()
@@ -144,6 +150,7 @@ impl Parts {
         ) * phase;
         let (plus, minus) = (m + cofactors, m - cofactors);
         Self {
+            scale,
             plus,
             determinant: determinant.norm(),
             sum: plus.norm() * std::f64::consts::FRAC_1_SQRT_2,
@@ -151,17 +158,14 @@ impl Parts {
         }
     }
 
-    fn larger(&self) -> f64 {
-        0.5 * (self.sum + self.difference)
-    }
-
-    fn smaller(&self) -> f64 {
-        let larger = self.larger();
-        if larger > 0.0 {
+    fn singular_values(&self) -> [f64; 2] {
+        let larger = 0.5 * (self.sum + self.difference);
+        let smaller = if larger > 0.0 {
             self.determinant / larger
         } else {
             0.0
-        }
+        };
+        [larger, smaller].map(|value| value * self.scale)
     }
 }
 
@@ -208,6 +212,18 @@ mod tests {
         let dark = JonesMatrix::diagonal(0.0.into(), 0.0.into());
         assert_eq!(dark.singular_values(), [0.0, 0.0]);
         assert_eq!((dark.diattenuation(), dark.retardance()), (0.0, 0.0));
+    }
+
+    #[test]
+    fn elements_of_any_size_have_the_same_degrees() {
+        for size in [1e-300, 1e-160, 1e-100, 1e100, 1e160, 1e300] {
+            let plate = JonesMatrix::homogeneous(0.3, 0.1, 1.0.into(), Complex64::new(0.0, 0.5));
+            let scaled = plate.scaled(size.into());
+            assert!((scaled.diattenuation() - 0.6).abs() < 1e-15);
+            assert!((scaled.retardance() - FRAC_PI_2).abs() < 1e-14);
+            let [best, worst] = scaled.singular_values();
+            assert!((best / size - 1.0).abs() < 1e-14 && (worst / size - 0.5).abs() < 1e-14);
+        }
     }
 
     fn complex() -> impl Strategy<Value = Complex64> {

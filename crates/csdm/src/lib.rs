@@ -13,6 +13,7 @@ pub mod fresnel;
 mod jones;
 mod jones_polar;
 mod positivity;
+mod scale;
 mod sixteen;
 
 pub use csdm::CrossSpectralDensity;

@@ -6,6 +6,7 @@ use stokes::StokesVector;
 use thiserror::Error;
 
 use crate::csdm::CrossSpectralDensity;
+use crate::scale::power_of_two;
 
 /// Deviation from a Hermitian matrix, relative to its largest element, that one-point observables still accept.
 pub(crate) const ROUNDING: f64 = 1e-12;
@@ -112,13 +113,13 @@ impl CrossSpectralDensity {
     pub fn check_positive(&self, tolerance: f64) -> Result<(), CoherenceError> {
         self.check_hermitian(tolerance.max(ROUNDING))?;
         let stokes = self.real_stokes();
-        let (trace, polarized) = (stokes.s0(), stokes.polarized_intensity());
-        let larger = 0.5 * (trace + polarized);
-        // the product of the two is exact to rounding; their difference from the trace is not
+        let trace = stokes.s0();
+        let larger = 0.5 * (trace + stokes.polarized_intensity());
+        // the product of the two has its digits; their difference from the trace has not
         let eigenvalue = if larger > 0.0 {
-            self.determinant() / larger
+            self.determinant_over(larger)
         } else {
-            0.5 * (trace - polarized)
+            0.5 * (trace - stokes.polarized_intensity())
         };
         let least = -tolerance * trace.abs();
         if eigenvalue < least {
@@ -175,9 +176,11 @@ impl CrossSpectralDensity {
         self.generalized_stokes().map(|c| c.re).into()
     }
 
-    /// Determinant of the Hermitian part, `xx yy − |xy|²`, to a few roundings of itself.
-    pub(crate) fn determinant(&self) -> f64 {
-        let m = &self.0;
+    /// Determinant of the Hermitian part, `xx yy − |xy|²`, over a `size` not far from the trace; to a few roundings of
+    /// itself, without overflow.
+    pub(crate) fn determinant_over(&self, size: f64) -> f64 {
+        let scale = power_of_two(size);
+        let m = self.0.map(|e| e / scale);
         let cross = 0.5 * (m[(0, 1)] + m[(1, 0)].conj());
         let terms = [
             exact_product(m[(0, 0)].re, m[(1, 1)].re),
@@ -186,7 +189,8 @@ impl CrossSpectralDensity {
         ];
         let (first, lost_first) = exact_sum(terms[0].0, terms[1].0);
         let (sum, lost_second) = exact_sum(first, terms[2].0);
-        sum + (lost_first + lost_second + terms[0].1 + terms[1].1 + terms[2].1)
+        let determinant = sum + (lost_first + lost_second + terms[0].1 + terms[1].1 + terms[2].1);
+        determinant / (size / scale) * scale
     }
 }
 
