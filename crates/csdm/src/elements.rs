@@ -63,7 +63,7 @@ impl JonesMatrix {
     /// assert!((out.s0() - 0.68).abs() < 1e-15 && (out.s1() - 0.32).abs() < 1e-15);
     /// # Ok::<(), csdm::ElementError>(())
     /// ```
-    #[doc(alias = "linear_diattenuator")]
+    #[doc(alias = "diattenuator_linear")]
     pub fn partial_polarizer(x: f64, y: f64) -> Result<Self, ElementError> {
         for value in [x, y] {
             if !(0.0..=1.0).contains(&value) {
@@ -75,14 +75,14 @@ impl JonesMatrix {
 
     /// Quarter-wave plate with its fast axis along `x`: `diag(1, −i)`.
     #[must_use]
-    #[doc(alias = "qwp")]
+    #[doc(alias = "quarter_waveplate")]
     pub fn quarter_wave_plate() -> Self {
         Self::diagonal(ONE, Complex64::new(0.0, -1.0))
     }
 
     /// Half-wave plate with its fast axis along `x`: `diag(1, −1)`.
     #[must_use]
-    #[doc(alias = "hwp")]
+    #[doc(alias = "half_waveplate")]
     pub fn half_wave_plate() -> Self {
         Self::diagonal(ONE, -ONE)
     }
@@ -152,6 +152,7 @@ impl JonesMatrix {
     /// # Errors
     ///
     /// When a field is zero or not finite, or the two are the same up to a factor.
+    #[doc(alias = "general_eigenstates")]
     pub fn from_eigenpolarizations(
         first_field: Vector2<Complex64>,
         first: Complex64,

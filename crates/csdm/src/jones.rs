@@ -43,6 +43,7 @@ impl JonesMatrix {
 
     /// Ideal polarizer that passes fields along `x`.
     #[must_use]
+    #[doc(alias = "diattenuator_perfect")]
     pub fn linear_polarizer() -> Self {
         Self::diagonal(ONE, ZERO)
     }
@@ -56,6 +57,7 @@ impl JonesMatrix {
     /// assert!((out - stokes::StokesVector::LEFT_CIRCULAR).to_vector().norm() < 1e-15);
     /// ```
     #[must_use]
+    #[doc(alias = "retarder_linear")]
     pub fn linear_retarder(retardance: f64) -> Self {
         Self::diagonal(ONE, Complex64::cis(-retardance))
     }

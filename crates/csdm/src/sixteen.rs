@@ -84,7 +84,7 @@ impl TransferTensor {
         Self(self.0.adjoint())
     }
 
-    /// The sum of `weight` times this and another tensor.
+    /// This tensor plus `weight` times another.
     #[must_use]
     pub fn plus(&self, weight: f64, other: &Self) -> Self {
         Self(self.0 + other.0 * Complex64::from(weight))

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
-use nalgebra::{SMatrix, Vector2};
+use nalgebra::{Matrix2, Matrix4, SMatrix, Vector2};
 use num_complex::Complex64;
 use thiserror::Error;
 
@@ -62,7 +62,7 @@ impl RandomStream {
 }
 
 /// An ensemble of elements from a function that draws one: `draw(random)` is a realization `T(r)`, itself a function of
-/// the point in metres.
+/// the point in metres. Every pair of points costs `samples` draws.
 ///
 /// ```
 /// use csdm::{Element, JonesMatrix, MonteCarlo, RandomStream};
@@ -91,7 +91,7 @@ pub struct SixteenEstimate {
     /// The mean over the sample.
     pub mean: GeneralizedMueller,
     /// Standard error of the real part of each number, and, as imaginary part, of its imaginary part.
-    pub standard_error: SMatrix<Complex64, 4, 4>,
+    pub standard_error: Matrix4<Complex64>,
 }
 
 /// An estimate of what an ensemble makes of light.
@@ -100,7 +100,7 @@ pub struct LightEstimate {
     /// The mean over the sample.
     pub mean: CrossSpectralDensity,
     /// Standard error of the real part of each element, and, as imaginary part, of its imaginary part.
-    pub standard_error: SMatrix<Complex64, 2, 2>,
+    pub standard_error: Matrix2<Complex64>,
 }
 
 impl<D, T> MonteCarlo<D>
