@@ -1,15 +1,4 @@
 //! The cross-spectral density matrix: how the field at one point goes with the field at another.
-//!
-//! ```text
-//! C(r₁, r₂) = ⟨E(r₁) E(r₂)†⟩ = ½ Σ C_j σ_j,      C_j = tr(σ_j C),      E in exp(+iωt)
-//! ```
-//!
-//! The `C_j(r₁, r₂)` are the generalized Stokes parameters of the two points. [`GeneralizedStokes`] writes the spatial
-//! phase of a forward wave as `e^{+ikr}`, fields in `exp(+iωt)` as `e^{−ikr}`: its parameters at `ξ₁ − ξ₂` belong to
-//! this matrix with the points exchanged. [`CrossSpectralDensity::of_light`] does that exchange, and nobody else has
-//! to. At one point, and wherever the parameters are real, there is nothing to exchange.
-//!
-//! Source: Eqs. (S4.1) to (S4.6) of the supplemental of Steinberg & Yan 2021.
 
 use nalgebra::{Matrix2, Vector2};
 use num_complex::Complex64;
@@ -17,11 +6,20 @@ use stokes::{FrameRotation, GeneralizedStokes, StokesVector};
 
 use crate::positivity::CoherenceError;
 
-/// Cross-spectral density matrix `⟨E(r₁) E(r₂)†⟩` of a pair of points across a ray: 2×2, complex, unit of `|E|²`.
+/// Cross-spectral density matrix of a pair of points across a ray: 2×2, complex, unit of `|E|²`.
 ///
-/// Written in a transverse frame that the caller keeps, fields in `exp(+iωt)`.
+/// ```text
+/// C(r₁, r₂) = ⟨E(r₁) E(r₂)†⟩ = ½ Σ C_j σ_j,      C_j = tr(σ_j C),      E in exp(+iωt)
+/// ```
 ///
-/// Source: Eq. (S4.1).
+/// The `C_j(r₁, r₂)` are the generalized Stokes parameters of the two points. [`GeneralizedStokes`] writes the spatial
+/// phase of a forward wave as `e^{+ikr}`, fields in `exp(+iωt)` as `e^{−ikr}`: its parameters at `ξ₁ − ξ₂` belong to
+/// this matrix with the points exchanged. [`CrossSpectralDensity::of_light`] does that exchange, and nobody else has
+/// to. At one point, and wherever the parameters are real, there is nothing to exchange.
+///
+/// Written in a transverse frame that the caller keeps.
+///
+/// Source: Eqs. (S4.1) to (S4.6) of the supplemental of Steinberg & Yan 2021.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CrossSpectralDensity(pub(crate) Matrix2<Complex64>);
 
@@ -67,7 +65,7 @@ impl CrossSpectralDensity {
 
     /// The matrix of `light` at two points with `r₁ − r₂ = separation` metres, in the axes of the light's frame.
     ///
-    /// Takes the light at `−separation`, for the reason on the module's page.
+    /// Takes the light at `−separation`: its phases are the conjugates of those of the fields, see above.
     ///
     /// # Errors
     ///

@@ -1,15 +1,4 @@
 //! The elements that have a name: polarizers, retarders and partial polarizers of any eigenpolarization.
-//!
-//! An eigenpolarization is a point of the Poincaré sphere, given by the azimuth ψ of its ellipse (radians from `x`,
-//! counter-clockwise for a receiver who faces the source) and its ellipticity angle χ (in `-π/4..=π/4`, positive for
-//! right-handed light), as [`stokes::PolarizationEllipse`] reports them:
-//!
-//! ```text
-//! f = (cos 2χ cos 2ψ, cos 2χ sin 2ψ, sin 2χ)
-//! T = t₁ P(f) + t₂ P(−f),     P(f) = ½ (1 + f·σ)
-//! ```
-//!
-//! Retarders delay the slow eigenpolarization and leave the fast one alone: amplitudes 1 and `e^{−iδ}`.
 
 use nalgebra::{Matrix2, Vector2};
 use num_complex::Complex64;
@@ -101,8 +90,17 @@ impl JonesMatrix {
         Self::rotator(-0.5 * retardance).scaled(Complex64::cis(-0.5 * retardance))
     }
 
-    /// Element with the orthogonal eigenpolarizations `(azimuth, ellipticity)`, multiplied by `first`, and its
-    /// opposite on the Poincaré sphere, multiplied by `second`. Angles as on the module's page, in radians.
+    /// Element with orthogonal eigenpolarizations: light of the given ellipse is multiplied by `first`, light of the
+    /// opposite one by `second`.
+    ///
+    /// The ellipse has `azimuth` ψ (radians from `x`, counter-clockwise for a receiver who faces the source) and
+    /// `ellipticity` χ (radians, in `-π/4..=π/4`, positive for right-handed light), as
+    /// [`stokes::PolarizationEllipse`] reports them:
+    ///
+    /// ```text
+    /// f = (cos 2χ cos 2ψ, cos 2χ sin 2ψ, sin 2χ)
+    /// T = t₁ P(f) + t₂ P(−f),     P(f) = ½ (1 + f·σ)
+    /// ```
     ///
     /// Every normal Jones matrix is one of these: polarizers, retarders, and both at once.
     ///
@@ -128,14 +126,15 @@ impl JonesMatrix {
         Self::from(identity * (0.5 * (first + second)) + along_f * (0.5 * (first - second)))
     }
 
-    /// Ideal polarizer that passes light of the given ellipse; angles as on the module's page, in radians.
+    /// Ideal polarizer that passes light of the given ellipse; angles as in [`JonesMatrix::homogeneous`], in radians.
     #[must_use]
     #[doc(alias = "diattenuator_azimuth_ellipticity")]
     pub fn elliptical_polarizer(azimuth: f64, ellipticity: f64) -> Self {
         Self::homogeneous(azimuth, ellipticity, ONE, Complex64::from(0.0))
     }
 
-    /// Retarder whose fast eigenpolarization has the given ellipse; all three in radians.
+    /// Retarder whose fast eigenpolarization has the given ellipse: amplitude 1 there, `e^{−iδ}` for the opposite one; all three
+    /// in radians, angles as in [`JonesMatrix::homogeneous`].
     ///
     /// Its Mueller matrix turns the Poincaré sphere by `−retardance` about the fast eigenpolarization.
     #[must_use]

@@ -1,19 +1,4 @@
 //! What a Jones matrix does to power and to phase: singular values, and the polar decomposition `T = U H`.
-//!
-//! `H` is Hermitian and not negative, a diattenuator; `U` is unitary, a retarder. In two dimensions both follow
-//! without iterations from the conjugate cofactor matrix `K = adj(T)†`:
-//!
-//! ```text
-//! U = (T + e^{iθ} K)/(σ₁ + σ₂),   e^{iθ} = det T/|det T|
-//! σ₁ ± σ₂ = ‖T ± e^{iθ} K‖_F/√2,   σ₂ = |det T|/σ₁
-//! ```
-//!
-//! so that no difference of nearly equal numbers decides about a weak diattenuation. Where `det T = 0` (a polarizer)
-//! `U` is not unique; of all phases `e^{iθ} = (tr T)²/|tr T|²` makes its retardance least, and 1 serves where the trace
-//! vanishes too.
-//!
-//! Source: Higham, Functions of Matrices, chapter 8 (polar decomposition); Lu & Chipman 1994, Homogeneous and
-//! inhomogeneous Jones matrices, J. Opt. Soc. Am. A 11, 766 (diattenuation and retardance by it).
 
 use nalgebra::Matrix2;
 use num_complex::Complex64;
@@ -25,6 +10,21 @@ use crate::scale::power_of_two;
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// A Jones matrix as a diattenuator followed by a retarder.
+///
+/// `T = U H`: `H` is Hermitian and not negative, a diattenuator; `U` is unitary, a retarder. In two dimensions both follow
+/// without iterations from the conjugate cofactor matrix `K = adj(T)†`:
+///
+/// ```text
+/// U = (T + e^{iθ} K)/(σ₁ + σ₂),   e^{iθ} = det T/|det T|
+/// σ₁ ± σ₂ = ‖T ± e^{iθ} K‖_F/√2,   σ₂ = |det T|/σ₁
+/// ```
+///
+/// so that no difference of nearly equal numbers decides about a weak diattenuation. Where `det T = 0` (a polarizer)
+/// `U` is not unique; of all phases `e^{iθ} = (tr T)²/|tr T|²` makes its retardance least, and 1 serves where the trace
+/// vanishes too.
+///
+/// Source: Higham, Functions of Matrices, chapter 8 (polar decomposition); Lu & Chipman 1994, Homogeneous and
+/// inhomogeneous Jones matrices, J. Opt. Soc. Am. A 11, 766 (diattenuation and retardance by it).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JonesPolar {
     /// The unitary factor, met second.

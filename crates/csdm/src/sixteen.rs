@@ -1,23 +1,4 @@
 //! From Jones matrices to the sixteen, at one point and at two.
-//!
-//! An element whose realizations are `T(r)` takes `C` to `⟨T(r₁) C T(r₂)†⟩` (Eq. (S4.12)). Two matrices say so, and
-//! each gives the other:
-//!
-//! ```text
-//! E_(ap),(bq) = ⟨T_ap(r₁) T*_bq(r₂)⟩                 C'_ab = Σ_pq E_(ap),(bq) C_pq         TransferTensor
-//! M_lj = ½ ⟨tr(σ_l T(r₁) σ_j T(r₂)†)⟩                C'_l  = Σ_j M_lj C_j                 GeneralizedMueller
-//!      = ½ Σ (σ_l)_ba (σ_j)_pq E_(ap),(bq)
-//! ```
-//!
-//! Rows of `E` are pairs `(a, p)`, columns pairs `(b, q)`, counted `xx, xy, yx, yy`: `E = ⟨vec T(r₁) vec T(r₂)†⟩`. At
-//! one point `E` is Hermitian with no negative eigenvalue, twice Cloude's coherency matrix, and `M` is the real Mueller
-//! matrix.
-//!
-//! How many numbers: a deterministic element has 4 complex values of `T` at each of two points, but `E` does not notice
-//! a factor that multiplies one and divides the other, so 14 real numbers remain. An ensemble has 16 complex numbers, at
-//! one point 16 real ones; the "16 real values" printed below Eq. (S4.12) are neither.
-//!
-//! Source: Eqs. (S4.5), (S4.6), (S4.12) of the supplemental of Steinberg & Yan 2021, fields in `exp(+iωt)`.
 
 use std::ops::Mul;
 
@@ -48,7 +29,24 @@ pub struct NotReal {
 
 /// Second moments `⟨T_ap(r₁) T*_bq(r₂)⟩` of an element's Jones matrix at two points: 4×4, complex, dimensionless.
 ///
-/// Source: Eq. (S4.12); layout as on the module's page.
+/// An element whose realizations are `T(r)` takes `C` to `⟨T(r₁) C T(r₂)†⟩` (Eq. (S4.12)). Two matrices say so, and
+/// each gives the other:
+///
+/// ```text
+/// E_(ap),(bq) = ⟨T_ap(r₁) T*_bq(r₂)⟩                 C'_ab = Σ_pq E_(ap),(bq) C_pq         TransferTensor
+/// M_lj = ½ ⟨tr(σ_l T(r₁) σ_j T(r₂)†)⟩                C'_l  = Σ_j M_lj C_j                 GeneralizedMueller
+///      = ½ Σ (σ_l)_ba (σ_j)_pq E_(ap),(bq)
+/// ```
+///
+/// Rows of `E` are pairs `(a, p)`, columns pairs `(b, q)`, counted `xx, xy, yx, yy`: `E = ⟨vec T(r₁) vec T(r₂)†⟩`. At
+/// one point `E` is Hermitian with no negative eigenvalue, twice Cloude's coherency matrix, and `M` is the real Mueller
+/// matrix.
+///
+/// How many numbers: a deterministic element has 4 complex values of `T` at each of two points, but `E` does not notice
+/// a factor that multiplies one and divides the other, so 14 real numbers remain. An ensemble has 16 complex numbers, at
+/// one point 16 real ones. The "16 real values" printed below Eq. (S4.12) for `T` at two points are neither.
+///
+/// Source: Eqs. (S4.5), (S4.6), (S4.12) of the supplemental of Steinberg & Yan 2021, fields in `exp(+iωt)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TransferTensor(Matrix4<Complex64>);
 
@@ -72,7 +70,7 @@ impl TransferTensor {
         Self(tensor)
     }
 
-    /// The matrix as nalgebra holds it, in the layout of the module's page.
+    /// The matrix as nalgebra holds it: rows `(a, p)`, columns `(b, q)`, counted `xx, xy, yx, yy`.
     #[must_use]
     pub fn to_matrix(self) -> Matrix4<Complex64> {
         self.0

@@ -1,14 +1,4 @@
 //! Cloude's decomposition: a Mueller matrix as a mixture of at most four Jones matrices.
-//!
-//! ```text
-//! H = ¼ Σ M_lj σ_l ⊗ σ_j* = ½ ⟨vec T vec T†⟩,     tr H = M00,     ‖H‖_F = ½ ‖M‖_F
-//! H = Σ λ_i v_i v_i†                              T_i: the element of power M00 along v_i, weight λ_i/Σλ
-//! ```
-//!
-//! `M` belongs to an ensemble of Jones matrices if and only if no `λ_i` is negative.
-//!
-//! Source: Cloude 1986, Group theory and polarisation algebra, Optik 75, 26; Gil & Ossikovski, Polarized Light and the
-//! Mueller Matrix Approach, chapter 5.
 
 use nalgebra::{Matrix4, Vector4};
 use num_complex::Complex64;
@@ -29,6 +19,15 @@ pub struct WeightedJones {
 }
 
 /// Eigenvalues and eigenvectors of the coherency matrix of a Mueller matrix.
+///
+/// ```text
+/// H = ¼ Σ M_lj σ_l ⊗ σ_j* = ½ ⟨vec T vec T†⟩,     tr H = M00,     ‖H‖_F = ½ ‖M‖_F
+/// H = Σ λ_i v_i v_i†                              T_i: the element of power M00 along v_i, weight λ_i/Σλ
+/// ```
+///
+/// `M` belongs to an ensemble of Jones matrices if and only if no `λ_i` is negative.
+///
+/// Source: Cloude 1986, Group theory and polarisation algebra, Optik 75, 26.
 ///
 /// Eigenvalues have an error of a few `f64::EPSILON` times the largest.
 ///

@@ -1,25 +1,4 @@
 //! Lu and Chipman's polar decomposition of a Mueller matrix: a diattenuator, then a retarder, then a depolarizer.
-//!
-//! ```text
-//! M = M00 M_Δ M_R M_D,    D = (M01, M02, M03)/M00,   P = (M10, M20, M30)/M00,   a = √(1 − |D|²)
-//! M_D = [1  Dᵀ; D  m_D],  m_D = a 1 + (1 − a) D̂ D̂ᵀ
-//! M_Δ = [1  0ᵀ; P_Δ m_Δ], P_Δ = (P − m D)/a²         M_Δ M_R = M M_D⁻¹/M00
-//! m_Δ m_R = m' = U Σ Vᵀ:  m_Δ = ±U Σ Uᵀ, m_R = ±U Vᵀ, the sign that of det m'
-//! ```
-//!
-//! Where that leaves a choice:
-//!
-//! - **det m' < 0**: all three depolarization factors are negative, as in the paper.
-//! - **det m' = 0**, one vanishing factor: they are not negative, and `m_R` is the rotation that the other two fix. Two
-//!   vanishing factors: the least rotation that takes the one input axis to its output axis. Three: the identity.
-//! - **|D| = 1**, a polarizer: `M = M00 (1, P)(1, D)ᵀ`. `m_R` is the least rotation that takes `D` to the direction of
-//!   `P`, `P_Δ = 0` and `m_Δ = |P| 1`.
-//!
-//! Factors count as vanishing below 64 roundings over `a²`, and `|D|` counts as 1 where `1 − |D|² < 64` roundings: an
-//! `a` below 1e-7 is not in the first row to be found, and the product then misses terms of that size.
-//!
-//! Source: Lu & Chipman 1996, Interpretation of Mueller matrices based on polar decomposition, J. Opt. Soc. Am. A 13,
-//! 1106.
 
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use stokes::Mueller;
@@ -63,6 +42,27 @@ pub enum NoPolarDecomposition {
 }
 
 /// A Mueller matrix as the product `transmittance · depolarizer · retarder · diattenuator`, the right factor met first.
+///
+/// ```text
+/// M = M00 M_Δ M_R M_D,    D = (M01, M02, M03)/M00,   P = (M10, M20, M30)/M00,   a = √(1 − |D|²)
+/// M_D = [1  Dᵀ; D  m_D],  m_D = a 1 + (1 − a) D̂ D̂ᵀ
+/// M_Δ = [1  0ᵀ; P_Δ m_Δ], P_Δ = (P − m D)/a²         M_Δ M_R = M M_D⁻¹/M00
+/// m_Δ m_R = m' = U Σ Vᵀ:  m_Δ = ±U Σ Uᵀ, m_R = ±U Vᵀ, the sign that of det m'
+/// ```
+///
+/// Where that leaves a choice:
+///
+/// - **det m' < 0**: all three depolarization factors are negative, as in the paper.
+/// - **det m' = 0**, one vanishing factor: they are not negative, and `m_R` is the rotation that the other two fix. Two
+///   vanishing factors: the least rotation that takes the one input axis to its output axis. Three: the identity.
+/// - **|D| = 1**, a polarizer: `M = M00 (1, P)(1, D)ᵀ`. `m_R` is the least rotation that takes `D` to the direction of
+///   `P`, `P_Δ = 0` and `m_Δ = |P| 1`.
+///
+/// Factors count as vanishing below 64 roundings over `a²`, and `|D|` counts as 1 where `1 − |D|² < 64` roundings: an
+/// `a` below 1e-7 is not in the first row to be found, and the product then misses terms of that size.
+///
+/// Source: Lu & Chipman 1996, Interpretation of Mueller matrices based on polar decomposition, J. Opt. Soc. Am. A 13,
+/// 1106.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PolarDecomposition {
     /// `M00`, the transmittance for unpolarized light.

@@ -3,7 +3,7 @@
 //! Small singular values keep an absolute error of a few `f64::EPSILON` times the largest one (better where columns
 //! differ in size); nalgebra's routine for this size squares the matrix and would lose half the digits.
 //!
-//! Source: Golub & Van Loan, Matrix Computations, 4th ed., section 8.6.3.
+//! Source: Golub & Van Loan, Matrix Computations, 4th ed., section 8.6.
 
 use nalgebra::{Matrix3, Vector3};
 

@@ -1,14 +1,4 @@
 //! Elements that act on coherence: one mechanism for deterministic, varying and random ones.
-//!
-//! An element is known by the second moments of its Jones matrix at two points, a [`TransferTensor`]; what it makes of a
-//! cross-spectral density and its sixteen numbers follow:
-//!
-//! ```text
-//! C'(r₁, r₂) = ⟨T(r₁) C(r₁, r₂) T(r₂)†⟩                                                           (S4.12)
-//! ```
-//!
-//! Points are transverse, in metres, in the axes of the frame of the light. Elements are thin: the light behind one is
-//! that before it, point by point.
 
 mod mixture;
 mod monte_carlo;
@@ -33,6 +23,16 @@ pub use varying::{
 };
 
 /// Matter whose Jones matrix is known at every point, at least in the mean.
+///
+/// An element is known by the second moments of its Jones matrix at two points, a [`TransferTensor`]; what it makes of a
+/// cross-spectral density and its sixteen numbers follow:
+///
+/// ```text
+/// C'(r₁, r₂) = ⟨T(r₁) C(r₁, r₂) T(r₂)†⟩                                                           (S4.12)
+/// ```
+///
+/// Points are transverse, in metres, in the axes of the frame of the light. Elements are thin: the light behind one is
+/// that before it, point by point.
 ///
 /// ```
 /// use csdm::{CrossSpectralDensity, Element, PhaseScreen};

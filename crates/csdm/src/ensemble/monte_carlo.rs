@@ -1,8 +1,4 @@
 //! Any ensemble that can be drawn, averaged by Monte Carlo, with its standard error.
-//!
-//! Realization `i` of seed `s` comes from stream `i` of the ChaCha8 generator with key `s`: the same numbers on every
-//! machine, in any order and at every pair of points. The sample is thus one fixed mixture of deterministic elements, and
-//! what it makes of light is realizable between all pairs of points, whatever its standard error.
 
 use std::f64::consts::TAU;
 
@@ -63,6 +59,10 @@ impl RandomStream {
 
 /// An ensemble of elements from a function that draws one: `draw(random)` is a realization `T(r)`, itself a function of
 /// the point in metres. Every pair of points costs `samples` draws.
+///
+/// Realization `i` of seed `s` comes from stream `i` of the ChaCha8 generator with key `s`: the same numbers on every
+/// machine, in any order and at every pair of points. The sample is thus one fixed mixture of deterministic elements, and
+/// what it makes of light is realizable between all pairs of points, whatever its standard error.
 ///
 /// ```
 /// use csdm::{Element, JonesMatrix, MonteCarlo, RandomStream};

@@ -1,15 +1,4 @@
 //! Random phases: screens with jointly Gaussian phases on the two axes.
-//!
-//! ```text
-//! T = diag(e^{iφ_x}, e^{iφ_y}),   ⟨φ_i(r₁) φ_j(r₂)⟩ = s_i s_j c_ij η_ij(|r₁ − r₂|),   η_ij(d) = e^{−d²/l_ij²}
-//! e_ij = ⟨T_ii(r₁) T*_jj(r₂)⟩ = exp(−(s_i² + s_j²)/2 + s_i s_j c_ij η_ij)
-//! ```
-//!
-//! evaluated as `exp(−(s_i − s_j)²/2 − s_i s_j (1 − c_ij η_ij))`, with `1 − η` from `expm1`: strong screens lose no digits
-//! to the difference of large squares.
-//!
-//! Source: Shirai & Wolf 2004, J. Opt. Soc. Am. A 21, 1907; Ma et al. 2015, J. Opt. Soc. Am. A 32, 2346 (cited at the
-//! end of section S4.3 of the supplemental of Steinberg & Yan 2021).
 
 use nalgebra::{Matrix2, Vector2};
 use thiserror::Error;
@@ -83,6 +72,17 @@ pub struct CorrelationLengths {
 }
 
 /// Random phases on the two axes, zero-mean, jointly Gaussian, statistically the same everywhere; no loss.
+///
+/// ```text
+/// T = diag(e^{iφ_x}, e^{iφ_y}),   ⟨φ_i(r₁) φ_j(r₂)⟩ = s_i s_j c_ij η_ij(|r₁ − r₂|),   η_ij(d) = e^{−d²/l_ij²}
+/// e_ij = ⟨T_ii(r₁) T*_jj(r₂)⟩ = exp(−(s_i² + s_j²)/2 + s_i s_j c_ij η_ij)
+/// ```
+///
+/// evaluated as `exp(−(s_i − s_j)²/2 − s_i s_j (1 − c_ij η_ij))`, with `1 − η` from `expm1`: strong screens lose no digits
+/// to the difference of large squares.
+///
+/// Source: Shirai & Wolf 2004, J. Opt. Soc. Am. A 21, 1907; Ma et al. 2015, J. Opt. Soc. Am. A 32, 2346 (cited at the
+/// end of section S4.3 of the supplemental of Steinberg & Yan 2021).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhaseScreen {
     deviations: [f64; 2],
