@@ -147,11 +147,17 @@ mod tests {
     fn what_is_missing_to_full_polarization_has_its_own_digits() {
         // field (1, 3)/√10 and a little of the orthogonal one: numbers that f64 holds exactly
         for missing in [2f64.powi(-44), 2f64.powi(-20), 0.25] {
-            let matrix = real(1.0 + 9.0 * missing, 3.0 - 3.0 * missing, 9.0 + missing);
-            // eigenvalues 10 and 10 m: 1 − P = 2 m/(1 + m)
+            // eigenvalues 10 and 10 m: 1 − P = 2 m/(1 + m), whatever the phase between the axes
             let exact = 2.0 * missing / (1.0 + missing);
-            let found = matrix.unpolarized_fraction().unwrap();
-            assert!((found / exact - 1.0).abs() < 4e-16, "{missing} {found}");
+            for quarter_turns in 0..4 {
+                let mut matrix = real(1.0 + 9.0 * missing, 3.0 - 3.0 * missing, 9.0 + missing);
+                let phase = Complex64::new(0.0, 1.0).powu(quarter_turns);
+                matrix.0[(0, 1)] *= phase;
+                matrix.0[(1, 0)] *= phase.conj();
+                let found = matrix.unpolarized_fraction().unwrap();
+                assert!((found / exact - 1.0).abs() < 1e-15, "{missing} {found}");
+                matrix.check_positive(0.0).unwrap();
+            }
         }
         assert_eq!(real(0.0, 0.0, 0.0).unpolarized_fraction().unwrap(), 1.0);
         for size in [1e-300, 1e-160, 1e160, 1e300] {

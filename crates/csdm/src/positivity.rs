@@ -258,6 +258,11 @@ mod tests {
             panic!("{error}");
         };
         assert!((eigenvalue + 0.2).abs() < 1e-15 && trace == 1.0);
+        // as much circular light as that
+        let mut circular = real(0.5, 0.0, 0.5);
+        circular.0[(0, 1)] = Complex64::new(0.0, -0.7);
+        circular.0[(1, 0)] = Complex64::new(0.0, 0.7);
+        assert!(circular.check_positive(1e-9).is_err());
         assert!(real(0.5, 0.5, 0.5).check_positive(0.0).is_ok());
         assert!(real(-1.0, 0.0, -1.0).check_positive(1e-9).is_err());
     }
