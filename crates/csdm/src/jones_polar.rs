@@ -257,6 +257,19 @@ mod tests {
         }
 
         #[test]
+        fn the_retardance_of_a_polarizer_is_the_angle_between_its_states(
+            passed in prop::array::uniform2(complex()), sent in prop::array::uniform2(complex()),
+        ) {
+            // T = u v†: the least rotation of the sphere from v to u has the angle 2 acos |v†u|
+            let (u, v) = (nalgebra::Vector2::from(sent), nalgebra::Vector2::from(passed));
+            prop_assume!(u.norm() > 1e-3 && v.norm() > 1e-3);
+            let (u, v) = (u / Complex64::from(u.norm()), v / Complex64::from(v.norm()));
+            let element = JonesMatrix::from(u * v.adjoint());
+            let overlap = v.dotc(&u).norm();
+            prop_assert!((overlap - (0.5 * element.retardance()).cos()).abs() < 1e-14);
+        }
+
+        #[test]
         fn the_factors_multiply_back_to_the_matrix(t in matrix()) {
             let polar = t.polar();
             let scale = t.to_matrix().norm();
