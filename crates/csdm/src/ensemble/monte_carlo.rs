@@ -60,8 +60,9 @@ impl RandomStream {
 /// An ensemble of elements from a function that draws one: `draw(random)` is a realization `T(r)`, itself a function of
 /// the point in metres. Every pair of points costs `samples` draws.
 ///
-/// Realization `i` of seed `s` comes from stream `i` of the ChaCha8 generator with key `s`: the same numbers on every
-/// machine, in any order and at every pair of points. The sample is thus one fixed mixture of deterministic elements, and
+/// Realization `i` of seed `s` comes from stream `i` of the ChaCha8 generator with key `s`: the same numbers in any order
+/// and at every pair of points (and on every machine, but for the last digits of normal ones, which depend on its
+/// logarithm and sine). The sample is thus one fixed mixture of deterministic elements, and
 /// what it makes of light is realizable between all pairs of points, whatever its standard error.
 ///
 /// ```
