@@ -4,7 +4,10 @@
 //! the page of [`stokes`]. Jones matrices act on `(E_x, E_y)` in the frame of the ray, and `x` is s at an interface.
 #![forbid(unsafe_code)]
 
+pub mod birefringent;
+pub mod film;
 pub mod fresnel;
 mod jones;
+mod layered;
 
 pub use jones::{JonesMatrix, stokes_vector};
