@@ -39,6 +39,4 @@ pub use stack::{
 };
 
 #[cfg(test)]
-mod law_tests;
-#[cfg(test)]
-mod plate_tests;
+mod tests;

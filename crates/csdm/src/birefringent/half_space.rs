@@ -147,7 +147,16 @@ fn invariant_graph(
 /// `f(A) = (f₊ + f₋)/2 + (f₊ − f₋)/(2s) (A − m)` with the eigenvalues `m ± s`; also right where s = 0.
 fn decaying_exponential(a: &Matrix2<Complex64>, depth: f64) -> Matrix2<Complex64> {
     let (m, s) = eigenvalues(a);
-    let f = |lambda: Complex64| (-I * Complex64::new(lambda.re, lambda.im.min(0.0)) * depth).exp();
+    // absorption below the rounding of A is none
+    let rounding = 4.0 * f64::EPSILON * a.norm();
+    let f = |lambda: Complex64| {
+        let im = if lambda.im < -rounding {
+            lambda.im
+        } else {
+            0.0
+        };
+        (-I * Complex64::new(lambda.re, im) * depth).exp()
+    };
     let (plus, minus) = (f(m + s), f(m - s));
     let turn = s * depth;
     let slope = if turn.norm() > 0.5 {

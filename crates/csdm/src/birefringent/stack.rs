@@ -223,8 +223,9 @@ impl CrystalStack {
         wavelength: Wavelength,
         coherent_below: f64,
     ) -> Result<PlateMueller, FilmError> {
-        let exit = transparent_index(self.exit, Medium::Exit)
-            .map_err(|_| FilmError::AbsorbingExit { k: -self.exit.im })?;
+        if self.exit.im != 0.0 {
+            return Err(FilmError::AbsorbingExit { k: -self.exit.im });
+        }
         let [mut last, behind] = self.half_spaces(incidence);
         let xi = incidence.tangential_index(self.incident);
         let mut sum = Scattering::<f64, 4>::transparent();
@@ -251,7 +252,6 @@ impl CrystalStack {
                 Matrix4::zeros()
             }),
         };
-        debug_assert!(exit > 0.0, "an index of a transparent medium is positive");
         Ok(PlateMueller {
             front: side(sum.reflection, sum.transmission, w.re / grazing),
             back: (w.re > 0.0)
@@ -291,10 +291,16 @@ impl CrystalStack {
         let (grazing, w) = self.normal_indices(incidence);
         let jones =
             |m: &Matrix2<Complex64>| JonesMatrix::new(m[(0, 0)], m[(0, 1)], m[(1, 0)], m[(1, 1)]);
+        // the limit of grazing light does not depend on the layers
+        let (reflection, transmission) = if grazing == 0.0 {
+            (-Matrix2::identity(), Matrix2::zeros())
+        } else {
+            (all.reflection, all.transmission)
+        };
         PlateJones {
             front: JonesSide {
-                reflection: jones(&all.reflection),
-                transmission: jones(&all.transmission),
+                reflection: jones(&reflection),
+                transmission: jones(&transmission),
                 power_weight: layered::power_weight(self.incident, self.exit, incidence.cos_i),
                 exit: self.exit,
             },

@@ -315,7 +315,9 @@ proptest! {
         let expected = by_the_book(n1, &layers, exit, cos_i);
         // the growing exponentials of the book cost it digits
         let grown: f64 = layers.iter().map(|l| TAU / GREEN * l.thickness * normal(n1, l.index, cos_i).im).sum();
-        prop_assume!(grown > -6.0);
+        if grown < -6.0 {
+            return Ok(());
+        }
         prop_assert!(distance(found, expected) < 1e-14 * (-2.0 * grown).exp().max(10.0));
     }
 
@@ -330,7 +332,9 @@ proptest! {
             prop_assert!(r + t <= 1.0 + 1e-14);
         }
         let cos_t = fresnel::refract(cos_i, n1, exit.into());
-        prop_assume!(cos_t.im == 0.0 && cos_t.re > 0.01);
+        if cos_t.im != 0.0 || cos_t.re < 0.01 {
+            return Ok(());
+        }
         // Z Jᵀ Z of the power-weighted matrix is the same matrix; amplitudes carry the ratio n cos θ
         let back = stack.reversed().unwrap().amplitudes(cos_t.re, green());
         let ratio = exit * cos_t.re / (n1 * cos_i);

@@ -65,7 +65,12 @@ pub(crate) fn normal_index_of(n1: Complex64, n2: Complex64, cos_i: f64) -> Compl
     let re = re2 + re1 * minus_sin_squared;
     let im = im2 + im1 * minus_sin_squared;
     let root = Complex64::new(re.0, im.0).sqrt();
-    if root.im > 0.0 { -root } else { root }
+    // 0 − root: an evanescent wave has the real part +0, not −0
+    if root.im > 0.0 {
+        Complex64::ZERO - root
+    } else {
+        root
+    }
 }
 
 /// Real and imaginary part of z².

@@ -1,45 +1,8 @@
-//! Plates and liquid-crystal cells against closed forms and an independent 40-digit calculation.
+//! Single plates against closed forms and an independent 40-digit calculation.
 
 use super::*;
-use crate::{JonesMatrix, stokes_vector};
-use nalgebra::{Matrix2, Matrix3, Matrix4, Vector2, Vector3};
-use num_complex::Complex64;
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use stokes::Wavelength;
-
-const I: Complex64 = Complex64::I;
-const LAMBDA: f64 = 500e-9;
-
-fn light() -> Wavelength {
-    Wavelength::from_metres(LAMBDA).unwrap()
-}
-
-fn layer(crystal: &Crystal, wavelengths: f64) -> CrystalLayer {
-    CrystalLayer {
-        crystal: crystal.clone(),
-        thickness: wavelengths * LAMBDA,
-    }
-}
-
-fn stack(before: f64, layers: Vec<CrystalLayer>, behind: f64) -> CrystalStack {
-    CrystalStack::new(before, layers, behind.into()).unwrap()
-}
-
-fn at(cos_i: f64, azimuth: f64) -> Incidence {
-    Incidence::new(cos_i, azimuth).unwrap()
-}
-
-fn distance(a: &JonesMatrix, b: &JonesMatrix) -> f64 {
-    (a.to_matrix() - b.to_matrix()).norm()
-}
-
-fn scaled(jones: JonesMatrix, factor: Complex64) -> JonesMatrix {
-    JonesMatrix::diagonal(factor, factor) * jones
-}
-
-fn isotropic(n: f64) -> Crystal {
-    Crystal::isotropic(n.into()).unwrap()
-}
+use nalgebra::{Matrix2, Matrix3, Matrix4, Vector3};
+use std::f64::consts::{PI, TAU};
 
 /// Columns: s and p from the front, s and p from the back; rows: reflected s, p, then transmitted s, p (from the front;
 /// from the back the other way round).
@@ -323,175 +286,6 @@ fn activity_and_birefringence_make_an_elliptical_retarder() {
     assert!(distance(&t, &expected) < 1e-6 * TAU * depth * half);
 }
 
-/// A layer of director along x at the front, turned by `twist` at the back, in `slices` slices.
-fn twisted(no: f64, ne: f64, wavelengths: f64, twist: f64, slices: u32) -> Vec<CrystalLayer> {
-    let director = Crystal::uniaxial(no.into(), ne.into(), Vector3::x()).unwrap();
-    let slices_f = f64::from(slices);
-    (0..slices)
-        .map(|i| {
-            let angle = twist * (f64::from(i) + 0.5) / slices_f;
-            layer(&director.turned(angle), wavelengths / slices_f)
-        })
-        .collect()
-}
-
-#[test]
-fn a_twisted_nematic_cell_is_dark_at_the_minima_of_gooch_and_tarry() {
-    // u = 2 d Δn/λ: between parallel polarizers T = sin²(π/2 √(1 + u²))/(1 + u²)
-    let (no, ne) = (1.5, 1.51);
-    for (u, expected) in [(3f64.sqrt(), 0.0), (15f64.sqrt(), 0.0), (1.0, 0.31656)] {
-        let cell = twisted(no, ne, u / (2.0 * (ne - no)), FRAC_PI_2, 300);
-        let t = stack(1.505, cell, 1.505).single_pass(&at(1.0, 0.0), light());
-        let parallel = t.front.transmission.to_matrix()[(0, 0)].norm_sqr();
-        let closed = (FRAC_PI_2 * (1.0 + u * u).sqrt()).sin().powi(2) / (1.0 + u * u);
-        assert!((closed - expected).abs() < 1e-5);
-        // slices: (π/2/300)²; faces: (Δn/2n)² of power
-        assert!((parallel - closed).abs() < 5e-5, "{u}: {parallel} {closed}");
-    }
-}
-
-#[test]
-fn a_twisted_cell_has_the_jones_matrix_of_its_closed_form() {
-    let (no, ne, twist, depth) = (1.5, 1.501, 1.1f64, 700.0);
-    let cell = twisted(no, ne, depth, twist, 400);
-    let t = stack(1.5005, cell, 1.5005).single_pass(&at(1.0, 0.0), light());
-    let half = PI * depth * (ne - no);
-    let x = half.hypot(twist);
-    let (c, s) = (Complex64::from(x.cos()), x.sin() / x);
-    // in the frame that turns with the director, slow along x
-    let inner = JonesMatrix::new(
-        c - I * half * s,
-        (twist * s).into(),
-        (-twist * s).into(),
-        c + I * half * s,
-    );
-    let mean = (-I * TAU * depth * 0.5 * (no + ne)).exp();
-    let expected = scaled(JonesMatrix::rotator(twist) * inner, mean);
-    // slices: error of the order (twist/400)² · half
-    assert!(distance(&t.front.transmission, &expected) < 3e-5);
-}
-
-#[test]
-fn a_slowly_twisted_cell_leads_the_polarization_along() {
-    // Mauguin: twist ≪ π d Δn/λ; what is left behind is (twist/half)²
-    let cell = twisted(1.5, 1.6, 200.0, FRAC_PI_2, 400);
-    let t = stack(1.55, cell, 1.55).single_pass(&at(1.0, 0.0), light());
-    let out = t
-        .front
-        .transmission
-        .apply(Vector2::new(Complex64::ONE, Complex64::ZERO));
-    let stokes = stokes_vector(out);
-    let half: f64 = PI * 200.0 * 0.1;
-    let left_behind = 0.5 * (1.0 + stokes.s1() / stokes.s0());
-    assert!(left_behind < (FRAC_PI_2 / half).powi(2), "{left_behind}");
-    assert!(stokes.s0() > 0.99);
-}
-
-#[test]
-fn a_cholesteric_mirror_reflects_the_circular_light_of_its_own_helix() {
-    // director (cos qz, sin qz): a right-handed screw, as is Re (1, i) e^{−ikz}, S3 > 0; R = tanh²(πΔn L/λ)
-    let (no, ne) = (1.49, 1.51);
-    let pitch = 1.0 / 1.5;
-    let turns = 20.0;
-    let cell = twisted(no, ne, turns * pitch, TAU * turns, 20 * 60);
-    let r = stack(1.5, cell, 1.5)
-        .coherent(&at(1.0, 0.0), light())
-        .front
-        .reflection_mueller();
-    let right = r * stokes::StokesVector::RIGHT_CIRCULAR;
-    let left = r * stokes::StokesVector::LEFT_CIRCULAR;
-    let closed = (PI * 0.02 * turns * pitch).tanh().powi(2);
-    // slices: (2π/60)²/6 of the coupling; indices: Δn/n of the band's centre
-    assert!(
-        (right.s0() - closed).abs() < 5e-3,
-        "{} {closed}",
-        right.s0()
-    );
-    assert!(left.s0() < 1e-3);
-    // an ordinary mirror would turn S3 round
-    assert!(right.s3() / right.s0() > 0.99);
-}
-
-#[test]
-fn thick_incoherent_plates_average_the_fringes() {
-    // isotropic, oblique: the mean over a period of thickness, exact for the trapezoidal rule with R^64 ≪ 1
-    use crate::film::{Layer, Stack};
-    let (n, cos_i) = (Complex64::from(2.0), 0.4f64);
-    let w = crate::fresnel::normal_index_of(1.0.into(), n, cos_i).re;
-    let plate = stack(1.0, vec![layer(&isotropic(2.0), 50.0)], 1.4);
-    let sum = plate.incoherent(&at(cos_i, 0.0), light(), 0.0).unwrap();
-    let mut mean = [Matrix4::zeros(), Matrix4::zeros()];
-    for i in 0..64 {
-        let thickness = (50.0 + f64::from(i) / 64.0 * 0.5 / w) * LAMBDA;
-        let film = Stack::new(
-            1.0,
-            vec![Layer {
-                index: n,
-                thickness,
-            }],
-            1.4.into(),
-        )
-        .unwrap();
-        let film = film.amplitudes(cos_i, light());
-        mean[0] += film.reflection_mueller().to_matrix() / 64.0;
-        mean[1] += film.transmission_mueller().unwrap().to_matrix() / 64.0;
-    }
-    assert!((sum.front.reflection.to_matrix() - mean[0]).amax() < 1e-12);
-    assert!((sum.front.transmission.to_matrix() - mean[1]).amax() < 1e-12);
-}
-
-#[test]
-fn a_thick_absorbing_window_obeys_the_series_of_powers() {
-    // R = R₁ + T₁ T₁' R₂ A²/(1 − R₁ R₂ A²), with |t t'|² of the amplitudes, which differ from 1 − R
-    let n = Complex64::new(1.8, -0.01);
-    let window = layer(&Crystal::isotropic(n).unwrap(), 5.0);
-    let found = stack(1.0, vec![window], 1.5)
-        .incoherent(&at(1.0, 0.0), light(), 0.0)
-        .unwrap();
-    let r1 = ((n - 1.0) / (n + 1.0)).norm_sqr();
-    let r2 = ((n - 1.5) / (n + 1.5)).norm_sqr();
-    let through = (4.0 * n / (n + 1.0).powi(2)).norm_sqr();
-    let a = (-4.0 * PI * 5.0 * 0.01f64).exp();
-    let expected = r1 + through * r2 * a * a / (1.0 - r1 * r2 * a * a);
-    assert!((found.front.reflection.to_matrix()[(0, 0)] - expected).abs() < 1e-14);
-    let t = (4.0 * n / ((n + 1.0) * (n + 1.5))).norm_sqr() * 1.5 * a / (1.0 - r1 * r2 * a * a);
-    assert!((found.front.transmission.to_matrix()[(0, 0)] - t).abs() < 1e-14);
-}
-
-#[test]
-fn incoherent_retarders_sum_their_bounces() {
-    // normal incidence: bounce by bounce, along the two axes
-    let (no, ne, depth) = (1.66, 1.49, 31.3);
-    let crystal = Crystal::uniaxial(no.into(), ne.into(), Vector3::x()).unwrap();
-    let plate = stack(1.0, vec![layer(&crystal, depth)], 1.0);
-    let found = plate.incoherent(&at(1.0, 0.0), light(), 0.0).unwrap();
-    let mut expected = Matrix4::zeros();
-    let along = |n: f64, bounce: i32| {
-        let r = ((n - 1.0) / (n + 1.0)).powi(2);
-        (1.0 - r) * r.powi(bounce) * (-I * TAU * depth * n * f64::from(2 * bounce + 1)).exp()
-    };
-    for bounce in 0..20 {
-        let jones = JonesMatrix::diagonal(along(ne, bounce), along(no, bounce));
-        expected += jones.mueller().to_matrix();
-    }
-    assert!((found.front.transmission.to_matrix() - expected).amax() < 1e-12);
-}
-
-#[test]
-fn coatings_of_a_thick_plate_stay_coherent() {
-    // a quarter wave of √n on both faces: nothing is reflected
-    let n = 2.25;
-    let coat = layer(&isotropic(1.5), 0.25 / 1.5);
-    let window = layer(&isotropic(n), 1000.0);
-    let plate = stack(1.0, vec![coat.clone(), window, coat], 1.0);
-    let green = plate.incoherent(&at(1.0, 0.0), light(), LAMBDA).unwrap();
-    assert!(green.front.reflection.to_matrix().amax() < 1e-15);
-    assert!((green.front.transmission.to_matrix() - Matrix4::identity()).amax() < 1e-11);
-    // without the films' interference: three times two faces of R = 4 %
-    let dull = plate.incoherent(&at(1.0, 0.0), light(), 0.0).unwrap();
-    assert!(dull.front.reflection.to_matrix()[(0, 0)] > 0.1);
-}
-
 #[test]
 fn a_thick_dichroic_plate_is_a_polarizer() {
     // one axis absorbs over 1e4 and more wavelengths, the other passes
@@ -528,7 +322,7 @@ fn a_turned_plate_has_a_turned_matrix_at_normal_incidence() {
 }
 
 #[test]
-fn where_circular_dichroism_of_the_eye_fails_there_is_one_wave_for_two() {
+fn at_an_exceptional_point_there_is_one_wave_for_two() {
     // linear dichroism δ against gyration γ: √(γ² − δ²) = 0 leaves one eigenvector; T = 1 − i k₀ d N with N² = 0
     let (delta, depth) = (1e-3, 50.0);
     for off in [0.0, 1e-15, -1e-12, 1e-8, 1e-4] {
