@@ -17,8 +17,9 @@
 //! Method. Berreman's 4×4 equations are written in waves whose difference of powers is the flux. A thin slice of a layer
 //! is then a contraction of the waves that enter it, on both sides; it is doubled by Redheffer's star product until
 //! it is the layer. Eigenvectors, which fail where waves coincide, and products of transfer matrices, which overflow
-//! in absorbing layers, do not occur; the scattering matrix of a lossless layer is kept unitary. The price is an
-//! error of about `4 f64::EPSILON k₀ d |M|` in the phase, |M| ≤ 2(1 + |ε|), and a hundred small products for each layer.
+//! in absorbing layers, do not occur; the scattering matrix of a lossless layer is kept unitary, any other a contraction.
+//! The price is an error of about `4 f64::EPSILON k₀ d |M|`, |M| ≤ 2(1 + |ε|), in the phase and in what little is absorbed,
+//! times the finesse of a resonator, and a hundred small products for each layer.
 //! Where single waves are wanted (one pass, incoherent sums, refraction) forward and backward waves are split as two
 //! subspaces.
 //!

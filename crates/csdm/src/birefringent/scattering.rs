@@ -1,6 +1,6 @@
 //! What a layer does to waves from both sides, and how layers are put together without growing exponentials.
 
-use nalgebra::{ComplexField, Matrix2, Matrix4, SMatrix};
+use nalgebra::{ComplexField, Matrix2, Matrix4, SMatrix, SymmetricEigen};
 use num_complex::Complex64;
 
 use super::generator::Generator;
@@ -54,9 +54,11 @@ impl Scattering<Complex64, 2> {
         let (mut layer, doublings) = Self::slice(generator, depth);
         for _ in 0..doublings {
             layer = layer.then(&layer);
-            if lossless {
-                layer = layer.made_unitary();
-            }
+            layer = if lossless {
+                layer.made_unitary()
+            } else {
+                layer.made_passive()
+            };
         }
         layer
     }
@@ -92,6 +94,25 @@ impl Scattering<Complex64, 2> {
         let three = Matrix4::identity() * Complex64::from(3.0);
         let s = (s * (three - s.adjoint() * s)).scale(0.5);
         Self::from_blocks(&s)
+    }
+
+    /// The nearest contraction: what rounding has added to an absorbing layer, and doubling would make a gain, is taken off.
+    fn made_passive(&self) -> Self {
+        let s = self.matrix();
+        let power = s.adjoint() * s;
+        // Gershgorin: most absorbing layers need no eigenvalues
+        let bound = (0..4).map(|row| power.row(row).iter().map(|c| c.norm()).sum::<f64>());
+        if bound.fold(0.0, f64::max) <= 1.0 {
+            return *self;
+        }
+        let eigen = SymmetricEigen::new(power);
+        let excess = eigen
+            .eigenvalues
+            .map(|x| Complex64::from(1.0 - x.max(1.0).sqrt().recip()));
+        let vectors = eigen.eigenvectors;
+        // as a difference, which leaves alone what has no excess
+        let gain = vectors * Matrix4::from_diagonal(&excess) * vectors.adjoint();
+        Self::from_blocks(&(s - s * gain))
     }
 
     /// From the matrix that gives `(b_front, a_back)` from `(a_front, b_back)`.

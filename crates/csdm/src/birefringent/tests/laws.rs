@@ -112,17 +112,15 @@ proptest! {
 
     #[test]
     fn absorbing_plates_are_passive(
-        n1 in 1.0..1.1f64, exit in 1.0..1.1f64, layers in layers(absorbing(), 1e4), cos_i in cosine(),
+        n1 in 1.0..2.5f64, exit in 1.0..2.5f64, layers in layers(absorbing(), 1e4), cos_i in cosine(),
         azimuth in -4.0..4.0f64,
     ) {
-        // 4 f64::EPSILON k₀ d |M|, |M| below 16; no resonators of evanescent layers
-        let tolerance = 1e-12 + 1e-13 * layers.iter().map(|l| l.thickness / LAMBDA).sum::<f64>();
         let plate = CrystalStack::new(n1, layers, exit.into()).unwrap().coherent(&at(cos_i, azimuth), light());
         for side in [Some(plate.front), plate.back].into_iter().flatten() {
             let most = SymmetricEigen::new(power(&side)).eigenvalues.max();
-            prop_assert!(most <= 1.0 + tolerance, "{}", most);
-            prop_assert!(side.reflection_mueller().is_passive(tolerance));
-            prop_assert!(side.transmission_mueller().unwrap().is_passive(tolerance));
+            prop_assert!(most <= 1.0 + 1e-12, "{}", most);
+            prop_assert!(side.reflection_mueller().is_passive(1e-12));
+            prop_assert!(side.transmission_mueller().unwrap().is_passive(1e-12));
         }
     }
 
@@ -284,18 +282,10 @@ fn extreme_media_and_angles_stay_finite_and_passive() {
                         let t = found.transmission_mueller().unwrap().to_matrix();
                         let case = format!("{n} {m} {axis:?} {depth} {cos_i}");
                         assert!((r + t).iter().all(|x| x.is_finite()), "{case}");
-                        let out = r + t;
-                        // |M| ≤ 2(1 + |ε|); indices a thousand times that of air make a finesse of a thousand
-                        let size = 2.0 * (1.0 + n.norm_sqr().max(m.norm_sqr()));
-                        let rounding =
-                            4.0 * f64::EPSILON * (TAU * depth * size + 1.0 / cos_i.max(1e-9));
-                        if rounding < 1e-3 {
-                            assert!(
-                                out[(0, 0)] <= 1.0 + 1e-12 + 1e3 * rounding,
-                                "{case} {}",
-                                out[(0, 0)] - 1.0
-                            );
-                        }
+                        // grazing light at media of equal index is told from reflected light by f64::EPSILON/cos θ
+                        let tolerance = 1e-11 + 16.0 * f64::EPSILON / cos_i.max(1e-9);
+                        let gain = (r + t)[(0, 0)] - 1.0;
+                        assert!(gain < tolerance, "{case} {gain}");
                         let direct = stack.single_pass(&incidence, light()).front;
                         assert!(
                             direct
