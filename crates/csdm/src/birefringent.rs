@@ -23,7 +23,7 @@
 //! Where single waves are wanted (one pass, incoherent sums, refraction) forward and backward waves are split as two
 //! subspaces.
 //!
-//! Source: Berreman, J. Opt. Soc. Am. 62, 502 (1972); Redheffer, J. Math. Phys. 41, 1 (1962), for the star product.
+//! Source: Berreman, J. Opt. Soc. Am. 62, 502 (1972); Redheffer, J. Math. and Phys. 41, 1 (1962), for the star product.
 
 mod crystal;
 mod faces;

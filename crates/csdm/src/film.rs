@@ -114,7 +114,7 @@ impl Stack {
     /// Frames: s, p as on the page of [`crate::fresnel`]. Error of `f64::EPSILON` times the sum of the `k₀ n d`, times
     /// the finesse where the stack is a resonator.
     ///
-    /// Source: Born & Wolf, 7th ed., section 1.6.2, Eqs. (51), (52); see the module page for the form that is used.
+    /// Source: Born & Wolf, 7th ed., section 1.6.2; see the module page for the form that is used.
     #[must_use]
     pub fn amplitudes(&self, cos_i: f64, wavelength: Wavelength) -> StackAmplitudes {
         let n1 = self.incident;

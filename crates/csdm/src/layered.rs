@@ -112,8 +112,8 @@ pub(crate) fn optical_depth(thickness: f64, wavelength: Wavelength) -> f64 {
     std::f64::consts::TAU * (thickness / wavelength.metres())
 }
 
-/// `[s, p]` power weights from a transparent medium of index `n1` into one of index `n2`: theory of absorbing exit
-/// media wants `Re(n₂ cos θ₂)/(n₁ cos θ₁)` for s and `Re(n₂* cos θ₂)/(n₁ cos θ₁)` for p.
+/// `[s, p]` power weights from a transparent medium into any other: `Re(n₂ cos θ₂)/(n₁ cos θ₁)` for s and
+/// `Re(n₂* cos θ₂)/(n₁ cos θ₁)` for p, the normal components of their energy flows.
 pub(crate) fn power_weight(n1: f64, n2: Complex64, cos_i: f64) -> [f64; 2] {
     let w = normal_index_of(n1.into(), n2, cos_i);
     let grazing = n1 * cos_i;

@@ -200,8 +200,8 @@ impl CrystalStack {
     /// waves of every thick layer. The retardance between the two waves is kept, and with it interference between waves
     /// reflected equally often.
     ///
-    /// Source: theory of incoherent layers, e.g. Born & Wolf, 7th ed., section 7.6.1 for the sum; polarized here by Mueller
-    /// matrices of the Jones matrices of faces and layers, whose product is that of the Jones matrices.
+    /// A layer so thin that an evanescent wave crosses it should be counted as coherent: a power of its own is not carried by
+    /// such a wave. Source: the geometric series of bounces, each with the Mueller matrix of its Jones matrix.
     ///
     /// # Errors
     ///

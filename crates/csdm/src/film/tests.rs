@@ -49,7 +49,7 @@ fn normal(n1: f64, n: Complex64, cos_i: f64) -> Complex64 {
     if w.im > 0.0 { -w } else { w }
 }
 
-/// Born & Wolf 1.6.2, Eqs. (41), (49), (51), (52), forward product of characteristic matrices; overflows when thick.
+/// Born & Wolf 1.6.2, forward product of characteristic matrices; overflows when thick.
 fn by_the_book(n1: f64, layers: &[Layer], exit: Complex64, cos_i: f64) -> [Complex64; 4] {
     let k0 = TAU / GREEN;
     let solve = |admittance: &dyn Fn(Complex64) -> Complex64| {

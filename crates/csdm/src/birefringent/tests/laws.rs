@@ -253,6 +253,28 @@ fn reciprocity_holds_for_a_biaxial_absorbing_active_plate_at_27_degrees() {
 }
 
 #[test]
+fn light_comes_from_the_back_only_where_waves_travel_there() {
+    let layer = || CrystalLayer {
+        crystal: Crystal::isotropic(1.4.into()).unwrap(),
+        thickness: LAMBDA,
+    };
+    for (exit, cos_i, travels) in [
+        (Complex64::new(1.5, 0.0), 0.5, true),
+        (Complex64::new(1.0, 0.0), 0.5, false),
+        (Complex64::new(0.2, -3.0), 1.0, false),
+    ] {
+        let stack = CrystalStack::new(1.5, vec![layer()], exit).unwrap();
+        let jones = stack.coherent(&at(cos_i, 0.0), light());
+        assert_eq!(jones.back.is_some(), travels);
+        let absorbs = exit.im != 0.0;
+        assert_eq!(jones.front.transmission_mueller().is_err(), absorbs);
+        let sum = stack.incoherent(&at(cos_i, 0.0), light(), 0.0);
+        assert_eq!(sum.is_err(), absorbs);
+        assert!(sum.is_err() || sum.unwrap().back.is_some() == travels);
+    }
+}
+
+#[test]
 fn extreme_media_and_angles_stay_finite_and_passive() {
     let media = [
         (1e-3, 0.0),
