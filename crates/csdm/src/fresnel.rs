@@ -11,14 +11,19 @@
 //! stands in for the angle of refraction everywhere. `w²` is evaluated as `(n₂ − n₁)(n₂ + n₁) + n₁² c²`, which
 //! keeps its digits at grazing incidence and for nearly equal media.
 //!
-//! Amplitudes are accurate to 1e-14 absolutely, finite and passive, for every `cos_i` in `0.0..=1.0` and indices
-//! between 1e-70 and 1e70; η and k above 1e70 count as 1e70. Where an expression is 0/0 (grazing light at
-//! equal media, `n₂ = 0`) the light is reflected, amplitude −1.
+//! Amplitudes are accurate to 1e-14/|w| absolutely (w is 0 at the critical angle; see [`amplitudes`] for full accuracy
+//! there), finite and passive, for every `cos_i` in `0.0..=1.0` and indices between 1e-70 and 1e70; η and k above 1e70
+//! count as 1e70. Where an expression is 0/0 (grazing light at equal media, `n₂ = 0`) the light is reflected, −1.
 //!
 //! Source: Born & Wolf, Principles of Optics, 7th ed., section 1.5.2, Eqs. (20), (21) with the p axis of Verdet;
 //! section 14.2 for complex indices.
 
+mod general;
+
 use num_complex::Complex64;
+
+pub(crate) use general::normal_index_of;
+pub use general::{InterfaceAmplitudes, amplitudes};
 
 /// Amplitudes along the two axes of an interface, dimensionless, in `exp(+iωt)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
