@@ -18,7 +18,7 @@ from pathlib import Path
 
 import mpmath as mp
 
-FILE = Path(__file__).resolve().parent.parent / "crates/stokes/tests/covariant.csv"
+FILE = Path(__file__).resolve().parent.parent / "crates/stokes/tests/data/covariant.csv"
 HEADER = ["family", "n", "m", "theta11", "theta12", "theta22", "x1", "x2", "value"]
 HEADER += ["zeta1", "zeta2", "transform", "zero"]
 # what f64 can hold with room to spare

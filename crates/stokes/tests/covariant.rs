@@ -18,7 +18,7 @@ struct Row {
 }
 
 fn rows() -> Vec<Row> {
-    let table = include_str!("covariant.csv").lines().skip(2);
+    let table = include_str!("data/covariant.csv").lines().skip(2);
     let rows: Vec<Row> = table
         .map(|line| {
             let mut fields = line.split(',');
