@@ -183,7 +183,9 @@ pub(crate) fn hermite_scaled(n: usize, t: f64) -> Scaled {
 ///
 /// Accuracy, for every finite argument and `n ≤ 256` (f64) or `n ≤ 64` (f32): the error is a few units in the last
 /// place of the envelope of `h_n` at `t`, that is, of the function itself beyond its last zero, down to the
-/// smallest number of the type (`validation/stability.py` measures it). Not a number in, not a number out.
+/// smallest number of the type (`validation/stability.py` measures it). Not a number in, not a number out. In f32 one
+/// function costs the same in either precision, so that it is evaluated in f64 and rounded once; tables of many orders
+/// and points ([`crate::hermite_all_at`], [`crate::all_modes_at`] …) run in f32.
 ///
 /// ```
 /// // h_1(1) = √2 π^(-1/4) e^(-1/2)
@@ -193,15 +195,16 @@ pub(crate) fn hermite_scaled(n: usize, t: f64) -> Scaled {
 /// ```
 #[must_use]
 pub fn hermite<T: Real>(n: usize, t: T) -> T {
-    if t.abs() <= T::NEAR {
-        let (mut before, mut now) = (T::zero(), t.gaussian());
-        for i in 0..n {
-            let [up, down] = step::<T>(i);
-            (before, now) = (now, up * t * now - down * before);
-        }
-        return now;
+    let t = t.to_f64();
+    if t.abs() > f64::NEAR || t.is_nan() {
+        return T::from_f64(hermite_scaled(n, t).value());
     }
-    T::from_f64(hermite_scaled(n, t.to_f64()).value())
+    let (mut before, mut now) = (0.0, t.gaussian());
+    for i in 0..n {
+        let [up, down] = step::<f64>(i);
+        (before, now) = (now, up * t * now - down * before);
+    }
+    T::from_f64(now)
 }
 
 /// `√(2/(n+1))` and `√(n/(n+1))`, the recurrence's two factors, for n = 0..[`MAX_ORDER`].
@@ -250,7 +253,7 @@ pub(crate) fn fill<T: Real>(t: T, values: &mut [T]) {
 /// `h_0, h_1 …` of L arguments side by side into `values`, at most [`MAX_ORDER`] + 1 of them.
 ///
 /// The loops over the lanes become vector code. Where a lane is beyond [`Real::NEAR`], or not a number, all take the
-/// scalar road, so that each value is [`hermite`]'s, whatever its neighbours are.
+/// scalar road, so that each value is the same whatever its neighbours are.
 #[inline(always)]
 pub(crate) fn fill_lanes<T: Real, const L: usize>(t: &[T; L], values: &mut [[T; L]]) {
     if near(t) {

@@ -23,11 +23,14 @@ pub(super) fn hermite1d(inputs: &Entry<'_>, precision: Precision) -> Result<Item
 
 /// `h_n(t)` by the functions in f32, of an argument that f32 need not hold.
 ///
-/// The rounding of `t` to f32 alone would cost `|t h_n'|/2²⁴`, several times the error of the recurrence: what it drops is put
+/// The rounding of `t` to f32 alone would cost `|t h_n'|/2²⁴`, far more than the rounding of the function: what it drops is put
 /// back to first order, `h_n(t) = h_n(t₃₂) + (t − t₃₂)(√(2n) h_{n−1}(t₃₂) − t₃₂ h_n(t₃₂))`.
 fn in_single_precision(n: usize, t: f64) -> f64 {
     let near = t as f32;
     let value = hermite(n, near);
+    if near.is_infinite() {
+        return f64::from(value);
+    }
     let below = if n > 0 { hermite(n - 1, near) } else { 0.0 };
     let slope = ((2 * n) as f32).sqrt() * below - near * value;
     f64::from(value) + (t - f64::from(near)) * f64::from(slope)
