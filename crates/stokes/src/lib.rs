@@ -115,6 +115,8 @@
 mod basis;
 mod beam;
 mod coherence;
+mod coherence_ellipse;
+mod components;
 mod covariant;
 mod covariant_series;
 mod double;
@@ -137,8 +139,9 @@ mod vector;
 mod wigner;
 
 pub use basis::{all_modes, mode_count, mode_index, modes, whitened_mode};
-pub use beam::{Components, GeneralizedStokes, LEAST_FAR_FIELD, LightError, Loss};
-pub use coherence::{CoherenceEllipse, CoherenceError};
+pub use beam::{GeneralizedStokes, LEAST_FAR_FIELD, LightError, Loss};
+pub use coherence_ellipse::{CoherenceEllipse, CoherenceError};
+pub use components::Components;
 pub use covariant::{Family, covariant_mode, covariant_mode_at_zero, covariant_mode_fourier};
 pub use envelope::{
     Envelope, EnvelopeError, EnvelopeModes, GaussianPatch, GaussianPeak, MAX_PATCHES, ModeWidth,

@@ -154,6 +154,12 @@ impl HermiteSeries {
         Self::from_valid(order, SmallVec::from_slice(real))
     }
 
+    /// Whether the coefficients have memory of their own.
+    #[cfg(test)]
+    pub(crate) fn is_on_the_heap(&self) -> bool {
+        self.real.spilled()
+    }
+
     fn from_valid(order: usize, real: SmallVec<[f64; 1]>) -> Self {
         let odd = (1..=order)
             .step_by(2)

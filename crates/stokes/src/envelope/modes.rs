@@ -12,7 +12,8 @@
 use nalgebra::Matrix2;
 
 use crate::basis::{mode_count, mode_index};
-use crate::beam::{Components, GeneralizedStokes};
+use crate::beam::GeneralizedStokes;
+use crate::components::Components;
 use crate::frame::Frame;
 use crate::hermite::{self, MAX_ORDER};
 use crate::plane;
