@@ -7,7 +7,7 @@ use thiserror::Error;
 use crate::components::Components;
 use crate::frame::Frame;
 use crate::mueller::Mueller;
-use crate::series::HermiteSeries;
+use crate::series::{HermiteSeries, SeriesError};
 use crate::shape::ShapeMatrix;
 use crate::units::Wavelength;
 use crate::vector::{FramedStokes, StokesVector};
@@ -45,6 +45,9 @@ pub enum LightError {
         /// `"shape"`, `"wavelength"`, `"distance"` or `"frame"`.
         what: &'static str,
     },
+    /// A coefficient is infinite or not a number.
+    #[error(transparent)]
+    Series(#[from] SeriesError),
     /// A frame belongs to another ray.
     #[error(
         "light: the frame's propagation is off the ray's by {angle} rad, expected the same direction (to 1e-6)"
@@ -79,7 +82,8 @@ pub struct Loss {
 /// ```
 /// use nalgebra::{Matrix2, Vector2, Vector3};
 /// use stokes::*;
-/// // a star of angular diameter 47 mas as a Gaussian of the same variance (α/4 per axis), seen in green light
+/// // Betelgeuse, 47 mas across (Michelson & Pease 1921), as a Gaussian of the disk's variance, α/4 along each axis, in
+/// // green light; for its coherence only the angle matters, not the distance
 /// let distance = 1e9;
 /// let spread = 47e-3 / 3600.0 / 180.0 * std::f64::consts::PI / 4.0 * distance;
 /// let light = GeneralizedStokes::new(
@@ -112,7 +116,8 @@ impl GeneralizedStokes {
     ///
     /// # Errors
     ///
-    /// When the distance is not in the far field (`k r <` [`LEAST_FAR_FIELD`]) or an amplitude is not finite.
+    /// When the distance is not in the far field (`k r <` [`LEAST_FAR_FIELD`]), or an amplitude or a coefficient is not
+    /// finite.
     pub fn new(
         components: Components,
         shape: ShapeMatrix,
@@ -120,13 +125,7 @@ impl GeneralizedStokes {
         wavelength: Wavelength,
         distance: f64,
     ) -> Result<Self, LightError> {
-        if let Components::Shared { stokes, .. } = &components {
-            for (component, value) in stokes.to_array().into_iter().enumerate() {
-                if !value.is_finite() {
-                    return Err(LightError::NotFinite { component, value });
-                }
-            }
-        }
+        components.finite()?;
         far_field(wavelength, distance)?;
         Ok(Self {
             components,
@@ -239,7 +238,8 @@ impl GeneralizedStokes {
     /// The light after an element that multiplies the four parameters by a Mueller matrix and leaves the coherence as
     /// it is, written in `frame` afterwards.
     ///
-    /// Absent components stay absent unless the matrix feeds them.
+    /// Separations are across the ray, along the axes of `frame` from now on. Absent components stay absent unless the
+    /// matrix feeds them.
     #[must_use]
     pub fn through(&self, element: &Mueller, frame: Frame) -> Self {
         let components = match &self.components {
@@ -267,7 +267,7 @@ impl GeneralizedStokes {
         }
     }
 
-    /// All four components times `factor`.
+    /// All four components times `factor`, a finite number.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         let components = match &self.components {

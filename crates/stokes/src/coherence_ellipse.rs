@@ -96,28 +96,13 @@ impl GeneralizedStokes {
         let orientation = if round {
             0.0
         } else {
-            axis_angle(right.m12, right.m22)
+            plane::axis_angle(right.m22.atan2(right.m12))
         };
         Ok(CoherenceEllipse {
             semi_major: to_metres / small,
             semi_minor: to_metres / large,
             orientation,
         })
-    }
-}
-
-/// Angle of an undirected axis, in `[0, π)`.
-fn axis_angle(x: f64, y: f64) -> f64 {
-    let angle = y.atan2(x);
-    let folded = if angle < 0.0 {
-        angle + std::f64::consts::PI
-    } else {
-        angle
-    };
-    if folded < std::f64::consts::PI {
-        folded
-    } else {
-        0.0
     }
 }
 

@@ -3,6 +3,7 @@
 //! A shared mode vector is stored once and evaluated once, an absent component neither, and a series of order 0 is one
 //! number ([`HermiteSeries`]). Everything that reads four parameters goes through [`Components::map`].
 
+use crate::beam::LightError;
 use crate::series::HermiteSeries;
 use crate::vector::StokesVector;
 
@@ -50,6 +51,27 @@ impl Components {
             }
             Self::Separate(series) => series[j].clone(),
         }
+    }
+
+    /// An error if an amplitude or a coefficient is not a finite number.
+    pub(crate) fn finite(&self) -> Result<(), LightError> {
+        match self {
+            Self::Shared { modes, stokes } => {
+                for (component, value) in stokes.to_array().into_iter().enumerate() {
+                    if !value.is_finite() {
+                        return Err(LightError::NotFinite { component, value });
+                    }
+                }
+                modes.finite()?;
+            }
+            Self::Separate(series) => {
+                series
+                    .iter()
+                    .flatten()
+                    .try_for_each(HermiteSeries::finite)?;
+            }
+        }
+        Ok(())
     }
 
     /// Four numbers from four series: each series is evaluated once.

@@ -4,8 +4,9 @@
 //! intensity (`S0 ≤ 0`) has degree 0 by definition, and light without a polarized part has angles 0 and handedness
 //! [`Handedness::Linear`].
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 
+use crate::plane;
 use crate::vector::StokesVector;
 
 /// Sense in which the tip of the field turns, for a receiver who faces the source.
@@ -63,7 +64,9 @@ impl StokesVector {
         }
     }
 
-    /// Degree of polarization `√(S1² + S2² + S3²)/S0`; 0 for dark light.
+    /// Degree of polarization `√(S1² + S2² + S3²)/S0`; in `0.0..=1.0` for light that exists, 0 for dark light.
+    ///
+    /// Source: Eq. (S4.4).
     ///
     /// ```
     /// let light = stokes::StokesVector::new(2.0, 0.6, 0.0, 0.8);
@@ -74,13 +77,14 @@ impl StokesVector {
         self.per_intensity(self.polarized_intensity())
     }
 
-    /// Degree of linear polarization `√(S1² + S2²)/S0`; 0 for dark light.
+    /// Degree of linear polarization `√(S1² + S2²)/S0`; in `0.0..=1.0` for light that exists, 0 for dark light.
     #[must_use]
     pub fn degree_of_linear_polarization(&self) -> f64 {
         self.per_intensity(self.linear_intensity())
     }
 
-    /// Degree of circular polarization `S3/S0`, positive for right-handed light; 0 for dark light.
+    /// Degree of circular polarization `S3/S0`, positive for right-handed light; in `-1.0..=1.0` for light that exists, 0
+    /// for dark light.
     #[must_use]
     pub fn degree_of_circular_polarization(&self) -> f64 {
         self.per_intensity(self.s3())
@@ -172,15 +176,14 @@ impl StokesVector {
     /// Error below 4e-16 for any state.
     #[must_use]
     pub fn angle_of_linear_polarization(&self) -> f64 {
-        let half = self.orientation_angle();
-        let angle = if half < 0.0 { half + PI } else { half };
-        // a negative angle below the rounding of π wraps to 0
-        if angle < PI { angle } else { 0.0 }
+        plane::axis_angle(self.orientation_angle())
     }
 
     /// Ellipticity angle `½ atan2(S3, √(S1² + S2²))`, radians in `[-π/4, π/4]`, positive for right-handed light.
     ///
     /// Stable at both ends: no difference of nearly equal numbers is taken.
+    ///
+    /// Source: Born & Wolf, Principles of Optics, 7th ed., section 1.4.2.
     #[must_use]
     pub fn ellipticity_angle(&self) -> f64 {
         0.5 * self.s3().atan2(self.linear_intensity())
@@ -188,7 +191,7 @@ impl StokesVector {
 
     /// The ellipse of the polarized part.
     ///
-    /// Source: Born & Wolf, Principles of Optics, 7th ed., section 1.4.2 with
+    /// Source: Eq. (S4.10), corrected; Born & Wolf, Principles of Optics, 7th ed., section 1.4.2, with
     /// `a² = (p + l)/2`, `b² = (p − l)/2`, `p` the polarized and `l` the linear intensity; `b` is evaluated as
     /// `|S3|/√(2(p + l))`, which does not cancel as the light becomes linear.
     ///

@@ -6,6 +6,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use nalgebra::{Matrix2, Vector2, Vector3};
 use num_complex::Complex64;
 use proptest::prelude::*;
+use proptest::test_runner::FileFailurePersistence;
 use stokes::{
     CoherenceError, Components, Frame, GeneralizedStokes, HermiteSeries, ShapeMatrix, StokesVector,
     Wavelength, mode_count, modes,
@@ -257,7 +258,19 @@ fn cross_polarization_survives_extreme_units() {
     }
 }
 
+/// Seeds once found wrong, from the package's root.
+fn with_seeds() -> ProptestConfig {
+    ProptestConfig {
+        failure_persistence: Some(Box::new(FileFailurePersistence::Direct(
+            "proptest-regressions/coherence.txt",
+        ))),
+        ..ProptestConfig::default()
+    }
+}
+
 proptest! {
+    #![proptest_config(with_seeds())]
+
     #[test]
     fn cross_polarization_is_that_of_the_coherence_matrix(
         s in prop::array::uniform12(-1.0..1.0f64),
