@@ -4,9 +4,10 @@ use nalgebra::Vector2;
 use num_complex::Complex64;
 use thiserror::Error;
 
+use crate::components::Components;
 use crate::frame::Frame;
 use crate::mueller::Mueller;
-use crate::series::HermiteSeries;
+use crate::series::{HermiteSeries, SeriesError};
 use crate::shape::ShapeMatrix;
 use crate::units::Wavelength;
 use crate::vector::{FramedStokes, StokesVector};
@@ -44,6 +45,9 @@ pub enum LightError {
         /// `"shape"`, `"wavelength"`, `"distance"` or `"frame"`.
         what: &'static str,
     },
+    /// A coefficient is infinite or not a number.
+    #[error(transparent)]
+    Series(#[from] SeriesError),
     /// A frame belongs to another ray.
     #[error(
         "light: the frame's propagation is off the ray's by {angle} rad, expected the same direction (to 1e-6)"
@@ -52,107 +56,6 @@ pub enum LightError {
         /// Angle between the two directions, rad.
         angle: f64,
     },
-}
-
-/// The four series of a generalized Stokes vector, as sparse as the light is.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Components {
-    /// One series for all four: `C_j = S_j · modes`. This is what locally stationary matter with one envelope
-    /// scatters, and what a source radiates whose polarization does not depend on place.
-    Shared {
-        /// The common series.
-        modes: HermiteSeries,
-        /// The four amplitudes.
-        stokes: StokesVector,
-    },
-    /// A series for each component; `None` where a component vanishes.
-    Separate([Option<HermiteSeries>; 4]),
-}
-
-impl Components {
-    /// Highest total order of any component.
-    #[must_use]
-    pub fn order(&self) -> usize {
-        match self {
-            Self::Shared { modes, .. } => modes.order(),
-            Self::Separate(series) => series
-                .iter()
-                .flatten()
-                .map(HermiteSeries::order)
-                .max()
-                .unwrap_or(0),
-        }
-    }
-
-    /// The series of component `j`, `None` where it vanishes.
-    ///
-    /// # Panics
-    ///
-    /// When `j` is not below 4.
-    #[must_use]
-    pub fn series(&self, j: usize) -> Option<HermiteSeries> {
-        match self {
-            Self::Shared { modes, stokes } => {
-                let amplitude = stokes.to_array()[j];
-                (amplitude != 0.0).then(|| modes.scaled(amplitude))
-            }
-            Self::Separate(series) => series[j].clone(),
-        }
-    }
-
-    /// Four numbers from four series: each series is evaluated once.
-    pub(crate) fn map<T>(&self, value: impl Fn(&HermiteSeries) -> T) -> [T; 4]
-    where
-        T: Copy + Default + std::ops::Mul<f64, Output = T>,
-    {
-        match self {
-            Self::Shared { modes, stokes } => {
-                let common = value(modes);
-                stokes.to_array().map(|amplitude| common * amplitude)
-            }
-            Self::Separate(series) => {
-                std::array::from_fn(|j| series[j].as_ref().map_or_else(T::default, &value))
-            }
-        }
-    }
-
-    /// The same components, each series changed by a linear map that does not depend on the component, and the sum
-    /// of the squares of what the map reports as lost.
-    fn map_series(&self, change: impl Fn(&HermiteSeries) -> (HermiteSeries, f64)) -> (Self, f64) {
-        match self {
-            Self::Shared { modes, stokes } => {
-                let (modes, lost) = change(modes);
-                let stokes = *stokes;
-                let lost = lost * stokes.to_vector().norm();
-                (Self::Shared { modes, stokes }, lost)
-            }
-            Self::Separate(series) => {
-                let changed = series.each_ref().map(|series| series.as_ref().map(&change));
-                let lost = changed
-                    .iter()
-                    .flatten()
-                    .map(|(_, lost)| lost * lost)
-                    .sum::<f64>();
-                (
-                    Self::Separate(changed.map(|pair| pair.map(|(series, _)| series))),
-                    lost.sqrt(),
-                )
-            }
-        }
-    }
-
-    /// The L² norm of the four functions together.
-    fn norm(&self) -> f64 {
-        match self {
-            Self::Shared { modes, stokes } => modes.norm() * stokes.to_vector().norm(),
-            Self::Separate(series) => series
-                .iter()
-                .flatten()
-                .map(|series| series.norm().powi(2))
-                .sum::<f64>()
-                .sqrt(),
-        }
-    }
 }
 
 /// What an approximation took from the light.
@@ -179,7 +82,8 @@ pub struct Loss {
 /// ```
 /// use nalgebra::{Matrix2, Vector2, Vector3};
 /// use stokes::*;
-/// // a star of angular diameter 47 mas as a Gaussian of the same variance (α/4 per axis), seen in green light
+/// // Betelgeuse, 47 mas across (Michelson & Pease 1921), as a Gaussian of the disk's variance, α/4 along each axis, in
+/// // green light; for its coherence only the angle matters, not the distance
 /// let distance = 1e9;
 /// let spread = 47e-3 / 3600.0 / 180.0 * std::f64::consts::PI / 4.0 * distance;
 /// let light = GeneralizedStokes::new(
@@ -212,7 +116,8 @@ impl GeneralizedStokes {
     ///
     /// # Errors
     ///
-    /// When the distance is not in the far field (`k r <` [`LEAST_FAR_FIELD`]) or an amplitude is not finite.
+    /// When the distance is not in the far field (`k r <` [`LEAST_FAR_FIELD`]), or an amplitude or a coefficient is not
+    /// finite.
     pub fn new(
         components: Components,
         shape: ShapeMatrix,
@@ -220,13 +125,7 @@ impl GeneralizedStokes {
         wavelength: Wavelength,
         distance: f64,
     ) -> Result<Self, LightError> {
-        if let Components::Shared { stokes, .. } = &components {
-            for (component, value) in stokes.to_array().into_iter().enumerate() {
-                if !value.is_finite() {
-                    return Err(LightError::NotFinite { component, value });
-                }
-            }
-        }
+        components.finite()?;
         far_field(wavelength, distance)?;
         Ok(Self {
             components,
@@ -339,7 +238,8 @@ impl GeneralizedStokes {
     /// The light after an element that multiplies the four parameters by a Mueller matrix and leaves the coherence as
     /// it is, written in `frame` afterwards.
     ///
-    /// Absent components stay absent unless the matrix feeds them.
+    /// Separations are across the ray, along the axes of `frame` from now on. Absent components stay absent unless the
+    /// matrix feeds them.
     #[must_use]
     pub fn through(&self, element: &Mueller, frame: Frame) -> Self {
         let components = match &self.components {
@@ -367,7 +267,7 @@ impl GeneralizedStokes {
         }
     }
 
-    /// All four components times `factor`.
+    /// All four components times `factor`, a finite number.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         let components = match &self.components {
@@ -437,7 +337,7 @@ impl GeneralizedStokes {
     /// The same light over another shape matrix, by modes up to `order`, and what that took from it.
     ///
     /// Converges geometrically when the widths differ by a factor below 2; beyond 4 split the source instead
-    /// (`Envelope::patches`).
+    /// ([`crate::Envelope::patches_for`]).
     #[must_use]
     pub fn in_shape(&self, shape: ShapeMatrix, order: usize) -> (Self, Loss) {
         self.with_series(shape, |series| series.in_shape(&self.shape, &shape, order))

@@ -23,6 +23,7 @@ use num_complex::Complex64;
 
 use crate::double::Double;
 use crate::hermite::{MAX_ORDER, Scaled, scaled_exponential};
+use crate::series::quarter_turns;
 use crate::shape::{ShapeError, finite_vector, positive_definite};
 
 /// Which of the two biorthogonal families, `⟨Ψ_nm|Ψ̃_n'm'⟩ = δ` (S1.4).
@@ -174,12 +175,7 @@ pub fn covariant_mode_fourier(
     let mut norm = theta.fourth_root(1);
     norm.mantissa *= 2.0 * PI;
     let value = theta.value(theta.quadratic(family), n, m, u, square, norm);
-    Ok(match (n + m) % 4 {
-        0 => Complex64::new(value, 0.0),
-        1 => Complex64::new(0.0, -value),
-        2 => Complex64::new(-value, 0.0),
-        _ => Complex64::new(0.0, value),
-    })
+    Ok(quarter_turns(value, n + m).conj())
 }
 
 /// Θ in units of its own axes: `Θ = D Θ′ D` with `D = diag(2^axes)` and the diagonal of Θ′ in 1..4.
@@ -213,7 +209,7 @@ impl UnitTheta {
         if let Some(order) = [n, m].into_iter().find(|order| *order > MAX_ORDER) {
             return Err(ShapeError::Order { order });
         }
-        let theta = positive_definite(theta, "shape matrix Θ", "positive")?;
+        let theta = positive_definite(theta, "shape matrix Θ")?;
         let axes = [theta.m11, theta.m22].map(|entry| libm::ilogb(entry).div_euclid(2));
         let t = [
             libm::scalbn(theta.m11, -2 * axes[0]),

@@ -4,13 +4,12 @@
 //! c_white = Sym(W) c_cov        c_cov = Sym(W⁻¹) c_white        order by order
 //! ```
 
-use nalgebra::{DVector, Matrix2};
+use nalgebra::Matrix2;
 use num_complex::Complex64;
 
 use crate::basis::modes;
-use crate::series::{HermiteSeries, SeriesError, order_of, total_order};
+use crate::series::{HermiteSeries, SeriesError, order_of, quarter_turns};
 use crate::shape::ShapeMatrix;
-use crate::symmetric_power::raise;
 
 impl HermiteSeries {
     /// The series over the whitened basis of `shape` of the function `Σ č_nm Ψ^Θ_nm(w)`.
@@ -70,12 +69,7 @@ impl HermiteSeries {
         let covariant = raised(self, &crate::plane::inverse(shape.root()));
         modes(self.order())
             .zip(covariant)
-            .map(|((a, b), s)| match (a + b) % 4 {
-                0 => Complex64::new(s, 0.0),
-                1 => Complex64::new(0.0, s),
-                2 => Complex64::new(-s, 0.0),
-                _ => Complex64::new(0.0, -s),
-            })
+            .map(|((a, b), s)| quarter_turns(s, a + b))
             .collect()
     }
 }
@@ -84,15 +78,9 @@ impl HermiteSeries {
 fn raised(series: &HermiteSeries, map: &Matrix2<f64>) -> Vec<f64> {
     let exponent = libm::ilogb(map.amax()) + 1;
     let unit = map.map(|entry| libm::scalbn(entry, -exponent));
-    let mut real = Vec::with_capacity(series.real_coefficients().len());
-    let mut power = crate::symmetric_power(&unit, 0);
-    for n in 0..=series.order() {
-        if n > 0 {
-            power = raise(&unit, &power);
-        }
-        let order = DVector::from_column_slice(total_order(series.real_coefficients(), n));
-        let scale = exponent * n as i32;
-        real.extend((&power * order).iter().map(|s| libm::scalbn(*s, scale)));
-    }
-    real
+    let raised = series.raised(&unit);
+    modes(series.order())
+        .zip(raised)
+        .map(|((a, b), s)| libm::scalbn(s, exponent * (a + b) as i32))
+        .collect()
 }

@@ -10,10 +10,12 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum FrameError {
     /// The propagation vector is zero or not finite.
-    #[error("frame: the propagation vector is zero or not finite")]
+    #[error("frame: the propagation vector is zero or not finite, expected a direction")]
     NoPropagation,
     /// The reference vector is zero, not finite, or parallel to the propagation.
-    #[error("frame: the reference vector is zero, not finite or parallel to the propagation")]
+    #[error(
+        "frame: the reference vector is zero, not finite or parallel to the propagation, expected a direction across it"
+    )]
     NoReference,
 }
 
@@ -156,6 +158,8 @@ fn unit(v: Vector3<f64>) -> Option<Vector3<f64>> {
 /// S1' =  cos2 S1 + sin2 S2
 /// S2' = −sin2 S1 + cos2 S2        S0, S3 unchanged
 /// ```
+///
+/// Source: Goldstein, Polarized Light, 3rd ed., chapter 6 (the rotator), with the sense of rotation above.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameRotation {
     /// Cosine of twice the angle.

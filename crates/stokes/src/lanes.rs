@@ -128,7 +128,8 @@ fn put_few<T: Real>(first: &[Lanes<T>], second: &[Lanes<T>], count: usize, modes
 /// The sum `Σ s_ab h_a(y1) h_b(y2)` over a + b ≤ `order` at one point `y`.
 ///
 /// In the unit of the coefficients, which stand in the order of [`crate::modes`]; the Wigner function of a
-/// [`crate::HermiteSeries`]. Error at most `(order + 2.5) ε Σ|s_ab h_a h_b|`, `ε` that of `T`. No allocation.
+/// [`crate::HermiteSeries`]. Error at most `(order + 2.5) ε Σ|s_ab h_a h_b|`, `ε` that of `T`, beside that of the
+/// functions themselves ([`crate::hermite`]). No allocation.
 ///
 /// # Panics
 ///

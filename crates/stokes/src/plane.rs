@@ -4,6 +4,8 @@
 //! sums `ab ± cd` that everything 2×2 consists of are therefore evaluated with their rounding errors (Kahan's
 //! algorithm), so that each entry here is right to a few units in its last place whatever the condition number.
 
+use std::f64::consts::PI;
+
 use nalgebra::{Matrix2, Vector2};
 
 /// `a·b + c·d`, right to two units in the last place even where the products cancel.
@@ -15,6 +17,13 @@ pub(crate) fn sum_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
     let product = c * d;
     let error = c.mul_add(d, -product);
     a.mul_add(b, product) + error
+}
+
+/// The angle of an undirected axis, from `(−π, π]` to `[0, π)`.
+pub(crate) fn axis_angle(angle: f64) -> f64 {
+    let folded = if angle < 0.0 { angle + PI } else { angle };
+    // a negative angle below the rounding of π wraps to 0
+    if folded < PI { folded } else { 0.0 }
 }
 
 /// `m·v`, entrywise as [`sum_of_products`].

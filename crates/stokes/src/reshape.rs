@@ -12,7 +12,8 @@
 //! Each of the two alone multiplies by `√(n/(a+1))` and loses all digits where n ≫ a. Their mean with the weights `a` and
 //! `n` is the reflection on the total order a + n, whose norm is 1: errors grow like `(a+n)·ε`.
 //!
-//! This is (8.1) with `W₁`, `W₂` diagonal, at O(N³) for all modes up to order N instead of O(N⁴).
+//! The turns and stretches together take O(N³) for all modes up to order N; the four-index recurrence for any two
+//! roots would take O(N⁴).
 
 use nalgebra::{DMatrix, Matrix2};
 
@@ -86,7 +87,10 @@ impl Change {
 
 /// `⟨φ_ab(·; W₁)|φ_nm(·; W₂)⟩`, dimensionless, in `-1.0..=1.0`; `first` is (a, b), `second` is (n, m).
 ///
-/// Error of a few `f64::EPSILON` for orders up to 256 and any condition numbers of the two shapes.
+/// Error below the sum of the four orders times `f64::EPSILON`, for orders up to 256 and any condition numbers of the
+/// two shapes.
+///
+/// Source: from the generating function (S1.2) in whitened coordinates.
 ///
 /// ```
 /// use stokes::{ShapeMatrix, overlap};
@@ -129,7 +133,7 @@ impl HermiteSeries {
     /// `self` is a series over the shape `from`. Rounding error `order·ε` of the norm; the norm of the lost part is
     /// found to some per cent.
     ///
-    /// Source: (8.1) of the change of basis.
+    /// Source: from the generating function (S1.2); the head of this file says how.
     #[must_use]
     pub fn in_shape(&self, from: &ShapeMatrix, to: &ShapeMatrix, order: usize) -> (Self, f64) {
         const TAIL: usize = 32;

@@ -1,11 +1,11 @@
 //! One component of the light: a Hermite-Gauss series whose coefficients are those of a Hermitian function.
 
-use nalgebra::{DVector, Matrix2, Vector2};
+use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 use num_complex::Complex64;
 use smallvec::{SmallVec, smallvec};
 use thiserror::Error;
 
-use crate::basis::{mode_count, mode_index};
+use crate::basis::{mode_count, mode_index, modes};
 use crate::hermite::MAX_ORDER;
 use crate::lanes::parity_sums;
 use crate::shape::ShapeMatrix;
@@ -82,7 +82,9 @@ pub struct HermiteSeries {
 }
 
 impl HermiteSeries {
-    /// The series of the one mode (0, 0).
+    /// The series of the one mode (0, 0), without allocation.
+    ///
+    /// A number that is not finite is refused by [`crate::GeneralizedStokes::new`].
     #[must_use]
     pub fn fundamental(c00: f64) -> Self {
         Self {
@@ -99,13 +101,21 @@ impl HermiteSeries {
     /// When their number is not that of all modes up to an order of at most [`MAX_ORDER`], or one is not finite.
     pub fn from_real_coefficients(real: &[f64]) -> Result<Self, SeriesError> {
         let order = order_of(real.len())?;
-        for (place, (a, b)) in crate::basis::modes(order).enumerate() {
-            if !real[place].is_finite() {
-                let value = real[place].into();
-                return Err(SeriesError::NotFinite { a, b, value });
+        let series = Self::from_real_parts(order, real);
+        series.finite()?;
+        Ok(series)
+    }
+
+    /// An error if a coefficient is not a finite number.
+    pub(crate) fn finite(&self) -> Result<(), SeriesError> {
+        let mut coefficients = modes(self.order).zip(&self.real);
+        match coefficients.find(|(_, s)| !s.is_finite()) {
+            Some(((a, b), _)) => {
+                let value = self.coefficient(a, b);
+                Err(SeriesError::NotFinite { a, b, value })
             }
+            None => Ok(()),
         }
-        Ok(Self::from_valid(order, SmallVec::from_slice(real)))
     }
 
     /// The series with the coefficients `c_ab` of the modes (a, b) that are named; the others are 0. A mode that is
@@ -144,7 +154,7 @@ impl HermiteSeries {
         Ok(Self::from_valid(order, real))
     }
 
-    /// As [`HermiteSeries::from_real_coefficients`], for numbers known to be finite and of the right count.
+    /// As [`HermiteSeries::from_real_coefficients`], for numbers of the right count; finite ones or yet to be checked.
     pub(crate) fn from_real_parts(order: usize, real: &[f64]) -> Self {
         debug_assert_eq!(
             real.len(),
@@ -152,6 +162,12 @@ impl HermiteSeries {
             "coefficients of order {order}"
         );
         Self::from_valid(order, SmallVec::from_slice(real))
+    }
+
+    /// Whether the coefficients have memory of their own.
+    #[cfg(test)]
+    pub(crate) fn is_on_the_heap(&self) -> bool {
+        self.real.spilled()
     }
 
     fn from_valid(order: usize, real: SmallVec<[f64; 1]>) -> Self {
@@ -193,13 +209,7 @@ impl HermiteSeries {
     /// The coefficient `c_ab`: real for even a + b, imaginary for odd; 0 beyond the order.
     #[must_use]
     pub fn coefficient(&self, a: usize, b: usize) -> Complex64 {
-        let s = self.real_coefficient(a, b);
-        match (a + b) % 4 {
-            0 => Complex64::new(s, 0.0),
-            1 => Complex64::new(0.0, s),
-            2 => Complex64::new(-s, 0.0),
-            _ => Complex64::new(0.0, -s),
-        }
+        quarter_turns(self.real_coefficient(a, b), a + b)
     }
 
     /// The L² norm of the function, `√Σ|c_ab|²` (Parseval).
@@ -250,21 +260,25 @@ impl HermiteSeries {
     /// family become whitened ones.
     #[must_use]
     pub fn with_root_turned_by(&self, u: &Matrix2<f64>) -> Self {
-        let mut real = SmallVec::with_capacity(self.real.len());
-        let mut power = crate::symmetric_power::symmetric_power(u, 0);
-        for n in 0..=self.order {
-            if n > 0 {
-                power = raise(u, &power);
-            }
-            let turned = &power * DVector::from_column_slice(total_order(&self.real, n));
-            real.extend_from_slice(turned.as_slice());
+        Self::from_valid(self.order, self.raised(u))
+    }
+
+    /// `Sym^n(map)` times the coefficients of each total order n.
+    pub(crate) fn raised(&self, map: &Matrix2<f64>) -> SmallVec<[f64; 1]> {
+        // Sym⁰ = 1
+        let mut real = SmallVec::from_slice(total_order(&self.real, 0));
+        let mut power = DMatrix::from_element(1, 1, 1.0);
+        for n in 1..=self.order {
+            power = raise(map, &power);
+            let raised = &power * DVector::from_column_slice(total_order(&self.real, n));
+            real.extend_from_slice(raised.as_slice());
         }
-        Self::from_valid(self.order, real)
+        real
     }
 
     /// The value at `w`, `Σ c_ab φ_ab(w; W)`.
     ///
-    /// Error of a few `ε` times `|det W|^(1/2)` times the norm. No allocation.
+    /// Error: that of the functions ([`crate::hermite`]) times `|det W|^(1/2)` times the norm. No allocation.
     #[must_use]
     pub fn value(&self, shape: &ShapeMatrix, w: &Vector2<f64>) -> Complex64 {
         let y = shape.whiten(w);
@@ -279,10 +293,26 @@ impl HermiteSeries {
         even + odd
     }
 
-    /// The value at 0, which is real.
+    /// The value at 0, which is real; error as [`HermiteSeries::value`].
     #[must_use]
     pub fn value_at_zero(&self, shape: &ShapeMatrix) -> f64 {
-        self.value(shape, &Vector2::zeros()).re
+        self.sum_at_zero() * shape.root_determinant().sqrt()
+    }
+
+    /// `Σ c_ab h_a(0) h_b(0)`, to which odd orders contribute nothing.
+    pub(crate) fn sum_at_zero(&self) -> f64 {
+        let [sum, _] = parity_sums(self.order, &self.real, [0.0; 2], false, true);
+        sum
+    }
+}
+
+/// `iⁿ s`.
+pub(crate) fn quarter_turns(s: f64, n: usize) -> Complex64 {
+    match n % 4 {
+        0 => Complex64::new(s, 0.0),
+        1 => Complex64::new(0.0, s),
+        2 => Complex64::new(-s, 0.0),
+        _ => Complex64::new(0.0, -s),
     }
 }
 

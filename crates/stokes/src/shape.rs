@@ -154,7 +154,7 @@ impl ShapeMatrix {
     ///
     /// When the matrix is not finite, not symmetric or not positive definite.
     pub fn from_covariance(covariance: &Matrix2<f64>) -> Result<Self, ShapeError> {
-        let covariance = positive_definite(covariance, "covariance", "positive")?;
+        let covariance = positive_definite(covariance, "covariance")?;
         Self::from_root(&symmetric_root(&covariance))
     }
 
@@ -166,7 +166,7 @@ impl ShapeMatrix {
     ///
     /// When the matrix is not finite, not symmetric or not positive definite.
     pub fn from_theta(theta: &Matrix2<f64>) -> Result<Self, ShapeError> {
-        let theta = positive_definite(theta, "shape matrix Θ", "positive")?;
+        let theta = positive_definite(theta, "shape matrix Θ")?;
         // (√Θ)⁻¹, whose adjugate needs no difference
         let (unit, half) = unit(&theta);
         let root = plane::symmetric_root(&unit);
@@ -183,7 +183,7 @@ impl ShapeMatrix {
     ///
     /// When the Hessian is not finite, not symmetric or not negative definite (no maximum).
     pub fn from_log_hessian(hessian: &Matrix2<f64>) -> Result<Self, ShapeError> {
-        let hessian = positive_definite(&-hessian, "negated Hessian of ln |f|", "positive")?;
+        let hessian = positive_definite(&-hessian, "negated Hessian of ln |f|")?;
         Self::from_root(&symmetric_root(&hessian))
     }
 
@@ -361,7 +361,6 @@ pub(crate) fn finite_vector(v: &Vector2<f64>, what: &'static str) -> Result<(), 
 pub(crate) fn positive_definite(
     m: &Matrix2<f64>,
     what: &'static str,
-    expected: &'static str,
 ) -> Result<Matrix2<f64>, ShapeError> {
     finite(m, what)?;
     let scale = (m.m11.abs().sqrt() * m.m22.abs().sqrt()).max(f64::MIN_POSITIVE);
@@ -388,7 +387,7 @@ pub(crate) fn positive_definite(
             what,
             larger,
             smaller,
-            expected,
+            expected: "positive",
         })
     }
 }

@@ -20,8 +20,8 @@ impl GeneralizedStokes {
     /// The Wigner function `Wd_j(ζ)` of the four components at a transverse wave vector `ζ`, rad/m.
     ///
     /// In the unit of the light times m². `ζ` in the axes of the light's frame. A single value may lie outside the
-    /// cone of Stokes vectors only if the light does not exist ([`GeneralizedStokes::realizability`]). Error of a few
-    /// `ε` times the norm of the series. No allocation.
+    /// cone of Stokes vectors only if the light does not exist ([`GeneralizedStokes::realizability`]). Error:
+    /// that of the functions ([`crate::hermite`]) times the norm of the series. No allocation.
     ///
     /// Source: Eq. (S3.3), in the whitened basis.
     #[must_use]

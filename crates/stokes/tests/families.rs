@@ -9,7 +9,9 @@ use nalgebra::{Matrix2, Vector2};
 use num_complex::Complex64;
 use proptest::prelude::*;
 use quadrature::{fourier, integral, points, shape};
-use stokes::{Family, ShapeMatrix, covariant_mode, covariant_mode_fourier, modes, whitened_mode};
+use stokes::{
+    Family, ShapeMatrix, covariant_mode, covariant_mode_fourier, hermite, modes, whitened_mode,
+};
 
 fn mode(family: Family, n: usize, m: usize, theta: &Matrix2<f64>, x: &Vector2<f64>) -> f64 {
     covariant_mode(family, n, m, theta, x).expect("a shape matrix made from its axes")
@@ -149,6 +151,24 @@ proptest! {
         for family in [Family::Covariant, Family::Dual] {
             prop_assert_eq!(mode(family, n, m, &theta, &-x), sign * mode(family, n, m, &theta, &x));
         }
+    }
+
+    #[test]
+    fn parity_of_the_orthonormal_functions_is_exact(
+        n in 0usize..=64, m in 0usize..=64, angle in 0.0..3.2f64, stretch in 0.0..12.0f64,
+        y in prop::array::uniform2(prop_oneof![-12.0..12.0f64, -1e3..1e3f64, Just(0.0)]),
+    ) {
+        let sign = |order: usize| if order.is_multiple_of(2) { 1.0 } else { -1.0 };
+        prop_assert_eq!(hermite(n, -y[0]), sign(n) * hermite(n, y[0]));
+        let t = y[0] as f32;
+        prop_assert_eq!(hermite(n, -t), sign(n) as f32 * hermite(n, t));
+        // condition numbers of Θ to 1e12
+        let (l, _) = shape(angle, 1.0, 10f64.powf(stretch));
+        let root = ShapeMatrix::from_root(&l).expect("a root");
+        let w = root.unwhiten(&y.into());
+        let value = whitened_mode(n, m, &root, &w);
+        prop_assert!(value.is_finite());
+        prop_assert_eq!(whitened_mode(n, m, &root, &-w), sign(n + m) * value);
     }
 
     #[test]

@@ -99,6 +99,24 @@ fn amplitudes_are_numbers() {
 }
 
 #[test]
+fn coefficients_are_numbers() {
+    let nan = HermiteSeries::fundamental(f64::NAN);
+    for components in [
+        Components::Shared {
+            modes: nan.clone(),
+            stokes: StokesVector::UNPOLARIZED,
+        },
+        Components::Separate([Some(HermiteSeries::fundamental(1.0)), None, Some(nan), None]),
+    ] {
+        let made = GeneralizedStokes::new(components, shape(), along_z(), wavelength(500e-9), 2.0);
+        assert_eq!(
+            made.unwrap_err().to_string(),
+            "series: coefficient (0, 0) is NaN+0i, expected a finite number"
+        );
+    }
+}
+
+#[test]
 fn only_lights_of_one_ray_are_added() {
     let light = lopsided();
     let others = [

@@ -1,4 +1,5 @@
-//! The errors beside the times in `docs/run_time_against_error.csv` are those of the series. Times are not tested.
+//! The errors beside the times in `docs/run_time_against_error.csv` are those of the series, and the crate page quotes
+//! this table. Times themselves are not tested.
 
 use stokes::{Envelope, ModeWidth};
 
@@ -124,4 +125,52 @@ fn single_precision_is_good_to_a_millionth() {
             "{source} {width} {order}: {f32:e}, limit {limit:e}"
         );
     }
+}
+
+#[test]
+fn the_crate_page_quotes_the_table() {
+    let csv = include_str!("../../../docs/run_time_against_error.csv");
+    // of the rows that begin so: the column, as a number
+    let find = |start: &str, column: usize| -> f64 {
+        let row = csv.lines().find(|line| line.starts_with(start));
+        let cells: Vec<_> = row
+            .unwrap_or_else(|| panic!("no row '{start}'"))
+            .split(',')
+            .collect();
+        cells[column].parse().expect("a number")
+    };
+    let quoted = include_str!("../src/lib.rs").lines().filter_map(|line| {
+        let cells: Option<Vec<f64>> = line
+            .strip_prefix("//! | ")?
+            .trim_end_matches('|')
+            .split('|')
+            .map(|cell| cell.trim().parse().ok())
+            .collect();
+        cells
+    });
+    let mut rows = 0;
+    for row in quoted {
+        let order = row[0];
+        let (ns, l2) = (4, 10);
+        let expected = [
+            find(&format!("evaluate f64,gaussian,variance × 2,{order},"), ns),
+            find(
+                &format!("evaluate f32 16 points,gaussian,variance × 2,{order},"),
+                ns,
+            ),
+            find(&format!("project,rectangle,half-width 4 σ,{order},"), ns) * 1e-3,
+            find(&format!("project,gaussian,variance × 2,{order},"), l2),
+            find(&format!("project,rectangle,half-width 4 σ,{order},"), l2),
+        ];
+        for (quoted, expected) in row[1..].iter().zip(expected) {
+            // two digits or more: half a unit of the second is 5 % at most
+            assert!(
+                (quoted / expected - 1.0).abs() <= 0.05,
+                "{order}: {quoted} {expected}"
+            );
+        }
+        assert_eq!(row.len(), 6, "order {order}");
+        rows += 1;
+    }
+    assert_eq!(rows, 7);
 }

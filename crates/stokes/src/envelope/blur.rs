@@ -5,7 +5,7 @@ use nalgebra::{Matrix2, Vector2};
 use crate::plane;
 
 use super::grid::Grid;
-use super::{Envelope, GaussianPatch, Profile, disk};
+use super::{Envelope, GaussianPatch, Profile, disk, patches};
 
 /// Standard deviations beyond which a Gaussian is left out: e^(−32) = 1e-14.
 pub(crate) const CUT: f64 = 8.0;
@@ -60,17 +60,7 @@ pub(crate) fn relative_norm(envelope: &Envelope, patches: &[GaussianPatch]) -> f
         .iter()
         .map(|patch| patch.weight * under_patch(envelope, grid.as_ref(), patch))
         .sum();
-    let pair = |a: &GaussianPatch, b: &GaussianPatch| {
-        let sum = a.covariance + b.covariance;
-        let apart = a.centre - b.centre;
-        let determinant = plane::determinant(&sum);
-        let exponent = apart.dot(&plane::apply(&plane::adjugate(&sum), &apart)) / determinant;
-        a.weight * b.weight * (-0.5 * exponent).exp() / (std::f64::consts::TAU * determinant.sqrt())
-    };
-    let square: f64 = patches
-        .iter()
-        .flat_map(|a| patches.iter().map(move |b| pair(a, b)))
-        .sum();
+    let square = patches::square_integral(patches);
     ((whole - 2.0 * cross + square).max(0.0) / whole).sqrt()
 }
 

@@ -8,8 +8,7 @@
 //! √(a+1) J_{a+1,b} = √2 u₁ J_ab − G₁₁ √a J_{a−1,b} − G₁₂ √b J_{a,b−1}         and likewise for b
 //! ```
 //!
-//! This is (6.3) with a real shift. `|G| ≤ 1`, so it is as stable as the recurrence of `h_n` itself, to which it
-//! reduces for a point (Q = 0).
+//! `|G| ≤ 1`, so the recurrence is as stable as that of `h_n` itself, to which it reduces for a point (Q = 0).
 
 use nalgebra::{Matrix2, Vector2};
 use num_complex::Complex64;
@@ -18,7 +17,7 @@ use crate::basis::{mode_count, mode_index};
 use crate::plane::{self, SingularValues};
 use crate::shape::ShapeMatrix;
 
-use super::EnvelopeError;
+use super::{EnvelopeError, GaussianPatch};
 
 /// One Gaussian of a mixture: `peak · e^(−(x−centre)ᵀ covariance⁻¹ (x−centre)/2)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,14 +78,13 @@ impl Gaussian {
         Complex64::from_polar(self.mass() * (-0.5 * spread).exp(), -u.dot(&self.centre))
     }
 
-    /// `∫ self · other`
-    pub(crate) fn product_integral(&self, other: &Self) -> f64 {
-        let sum = self.covariance + other.covariance;
-        let apart = self.centre - other.centre;
-        let exponent =
-            apart.dot(&plane::apply(&plane::adjugate(&sum), &apart)) / plane::determinant(&sum);
-        self.mass() * other.mass() * (-0.5 * exponent).exp()
-            / (std::f64::consts::TAU * plane::determinant(&sum).sqrt())
+    /// The same Gaussian by its integral.
+    pub(crate) fn patch(&self) -> GaussianPatch {
+        GaussianPatch {
+            weight: self.mass(),
+            centre: self.centre,
+            covariance: self.covariance,
+        }
     }
 
     /// Adds `∫ I(x) h_a(y₁) h_b(y₂) d²x`, `y = T (x − origin)`, to `moments`, a + b ≤ `order`.

@@ -257,10 +257,10 @@ impl Envelope {
     /// `∫ I² d²x`
     pub(crate) fn square_integral(&self) -> f64 {
         match &self.0 {
-            Profile::Gaussians(gaussians) => gaussians
-                .iter()
-                .flat_map(|a| gaussians.iter().map(|b| a.product_integral(b)))
-                .sum(),
+            Profile::Gaussians(gaussians) => {
+                let patches: Vec<_> = gaussians.iter().map(Gaussian::patch).collect();
+                patches::square_integral(&patches)
+            }
             Profile::Rectangle(_) | Profile::Disk(_) => self.area(),
             Profile::Grid(grid) => grid.square_integral(),
         }

@@ -12,9 +12,9 @@
 use nalgebra::Matrix2;
 
 use crate::basis::{mode_count, mode_index};
-use crate::beam::{Components, GeneralizedStokes};
+use crate::beam::GeneralizedStokes;
+use crate::components::Components;
 use crate::frame::Frame;
-use crate::hermite::{self, MAX_ORDER};
 use crate::plane;
 use crate::series::{self, HermiteSeries};
 use crate::shape::{self, ShapeError, ShapeMatrix};
@@ -206,16 +206,7 @@ impl EnvelopeModes {
     /// The sum of the truncated series at zero separation, which converges to [`EnvelopeModes::area`].
     #[must_use]
     pub fn sum_at_zero(&self) -> f64 {
-        let order = self.series.order();
-        let mut h = [0.0; MAX_ORDER + 1];
-        hermite::fill(0.0, &mut h[..=order]);
-        // odd functions vanish at 0, and μ = iⁿ s
-        let signed = |n: usize| if n.is_multiple_of(4) { 1.0 } else { -1.0 };
-        (0..=order)
-            .step_by(2)
-            .flat_map(|n| (0..=n).step_by(2).map(move |b| (n, b)))
-            .map(|(n, b)| signed(n) * self.series.real_coefficient(n - b, b) * h[n - b] * h[b])
-            .sum()
+        self.series.sum_at_zero()
     }
 
     /// The shape matrix and the coefficients `μ_ab` for a direction with this projection `P`.

@@ -6,9 +6,11 @@
 
 use nalgebra::{Matrix2, Vector2};
 
+use crate::plane;
+
 use super::blur;
 use super::grid::Grid;
-use super::{Envelope, EnvelopeError, Profile, length, measure};
+use super::{Envelope, EnvelopeError, Gaussian, Profile, length, measure};
 
 /// The most patches that a profile is split into.
 pub const MAX_PATCHES: usize = 65_536;
@@ -64,14 +66,7 @@ impl Envelope {
             });
         }
         let patches = match &self.0 {
-            Profile::Gaussians(gaussians) => gaussians
-                .iter()
-                .map(|g| GaussianPatch {
-                    weight: g.mass(),
-                    centre: g.centre,
-                    covariance: g.covariance,
-                })
-                .collect(),
+            Profile::Gaussians(gaussians) => gaussians.iter().map(Gaussian::patch).collect(),
             Profile::Disk(radius) => sectors(*radius, rings(across)),
             Profile::Rectangle(_) | Profile::Grid(_) => self
                 .as_grid()
@@ -182,6 +177,21 @@ impl Patches {
     pub fn far_field_error(&self) -> f64 {
         blur::relative_norm(&self.envelope, &self.patches)
     }
+}
+
+/// `∫ (Σ patches)² d²x`
+pub(crate) fn square_integral(patches: &[GaussianPatch]) -> f64 {
+    let product = |a: &GaussianPatch, b: &GaussianPatch| {
+        let sum = a.covariance + b.covariance;
+        let apart = a.centre - b.centre;
+        let determinant = plane::determinant(&sum);
+        let exponent = apart.dot(&plane::apply(&plane::adjugate(&sum), &apart)) / determinant;
+        a.weight * b.weight * (-0.5 * exponent).exp() / (std::f64::consts::TAU * determinant.sqrt())
+    };
+    patches
+        .iter()
+        .flat_map(|a| patches.iter().map(move |b| product(a, b)))
+        .sum()
 }
 
 /// Number of rings about the middle patch.

@@ -4,7 +4,8 @@ use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 use num_complex::Complex64;
 use stokes::{ShapeMatrix, inverse_log_hessian, inverse_of_sum, log_hessian};
 
-use crate::{hessian, turn};
+use crate::differences::hessian_at_0;
+use crate::turn;
 
 /// Step of the finite differences of a quadratic form of size 1: rounding `ε/h²` and no truncation.
 const STEP: f64 = 0.05;
@@ -16,7 +17,7 @@ fn s2_12_and_s2_13_turn_the_hessian_the_other_way_round() {
     let theta = Matrix2::new(0.9, 0.4, 0.4, 0.7);
     let inverse = theta.try_inverse().unwrap();
     // (S2.11): the logarithm of the Gaussian of w
-    let h = hessian(
+    let h = hessian_at_0(
         |w| {
             let y = q * w;
             -0.5 * y.dot(&(inverse * y))
@@ -36,7 +37,7 @@ fn s2_12_and_s2_13_turn_the_hessian_the_other_way_round() {
 
 #[test]
 fn s4_1_lacks_the_minus_sign() {
-    let h = hessian(|w| -w.x * w.x - 0.3 * w.x * w.y - w.y * w.y, STEP);
+    let h = hessian_at_0(|w| -w.x * w.x - 0.3 * w.x * w.y - w.y * w.y, STEP);
     assert!(ShapeMatrix::from_log_hessian(&h).is_ok());
     // as printed Θ would be the inverse of the Hessian itself, which is negative
     let printed = h.try_inverse().unwrap();
@@ -55,7 +56,7 @@ fn s2_13_inverts_what_is_restricted_to_the_transverse_plane_and_not_the_other_wa
     let e2 = away.cross(&e1);
     let across = Matrix2x3::from_rows(&[e1.transpose(), e2.transpose()]);
     // the function of a transverse w is all that there is
-    let h = hessian(
+    let h = hessian_at_0(
         |w| {
             let w = across.transpose() * w;
             -0.5 * w.dot(&(covariance * w))
@@ -107,7 +108,7 @@ fn s2_17_takes_the_inverse_of_the_hessian() {
     let (f, gradient, second) = mixture(&w);
     // the truncation grows 16-fold with the step; ln f is right to 3 ε, its weights add up to 64/12
     let h = 5e-3;
-    let by_differences = |h: f64| hessian(|d| mixture(&(w + d)).0.ln(), h);
+    let by_differences = |h: f64| hessian_at_0(|d| mixture(&(w + d)).0.ln(), h);
     let log = by_differences(h);
     let truncation = (by_differences(2.0 * h) - log).amax() / 4.0;
     let error = truncation + 24.0 * f64::EPSILON / (h * h);
