@@ -146,6 +146,24 @@ impl PhaseScreen {
         Self::new(deviations, 0.0, CorrelationLengths { xx, yy, xy })
     }
 
+    /// Standard deviations of the phases along `x` and `y`, radians.
+    #[must_use]
+    pub fn deviations(&self) -> [f64; 2] {
+        self.deviations
+    }
+
+    /// Correlation of the two phases at one point, −1 to 1.
+    #[must_use]
+    pub fn correlation(&self) -> f64 {
+        self.correlation
+    }
+
+    /// The three correlation lengths.
+    #[must_use]
+    pub fn lengths(&self) -> CorrelationLengths {
+        self.lengths
+    }
+
     /// Asks whether a Gaussian process with these correlations exists.
     ///
     /// # Errors
