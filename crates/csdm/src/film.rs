@@ -28,7 +28,7 @@ use num_complex::Complex64;
 use stokes::{DiattenuatingRetarder, Mueller, Wavelength};
 
 use crate::JonesMatrix;
-use crate::fresnel::{Amplitudes, normal_index_of};
+use crate::fresnel::{self, Amplitudes, normal_index_of};
 use crate::layered::{self, checked_index, checked_thickness, transparent_index};
 pub use crate::layered::{FilmError, Medium};
 
@@ -134,7 +134,7 @@ impl Stack {
                 // from the magnetic to the electric field
                 p: t_p * (n1 / self.exit),
             },
-            power_weight: layered::power_weight(n1, self.exit, cos_i),
+            power_weight: fresnel::power_weight(n1, self.exit, cos_i),
             exit: self.exit,
         }
     }

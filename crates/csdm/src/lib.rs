@@ -9,6 +9,7 @@ pub mod birefringent;
 mod coherence;
 mod csdm;
 mod decompose;
+mod doubled;
 mod elements;
 mod ensemble;
 pub mod film;

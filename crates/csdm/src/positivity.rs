@@ -6,6 +6,7 @@ use stokes::StokesVector;
 use thiserror::Error;
 
 use crate::csdm::CrossSpectralDensity;
+use crate::doubled::Doubled;
 use crate::scale::power_of_two;
 
 /// Deviation from a Hermitian matrix, relative to its largest element, that one-point observables still accept.
@@ -182,29 +183,11 @@ impl CrossSpectralDensity {
         let scale = power_of_two(size);
         let m = self.0.map(|e| e / scale);
         let cross = 0.5 * (m[(0, 1)] + m[(1, 0)].conj());
-        let terms = [
-            exact_product(m[(0, 0)].re, m[(1, 1)].re),
-            exact_product(-cross.re, cross.re),
-            exact_product(-cross.im, cross.im),
-        ];
-        let (first, lost_first) = exact_sum(terms[0].0, terms[1].0);
-        let (sum, lost_second) = exact_sum(first, terms[2].0);
-        let determinant = sum + (lost_first + lost_second + terms[0].1 + terms[1].1 + terms[2].1);
-        determinant / (size / scale) * scale
+        let determinant = Doubled::product(m[(0, 0)].re, m[(1, 1)].re)
+            + Doubled::product(-cross.re, cross.re)
+            + Doubled::product(-cross.im, cross.im);
+        determinant.0 / (size / scale) * scale
     }
-}
-
-/// `a b` and what rounding took from it (Dekker, with a fused multiply-add).
-fn exact_product(a: f64, b: f64) -> (f64, f64) {
-    let product = a * b;
-    (product, a.mul_add(b, -product))
-}
-
-/// `a + b` and what rounding took from it (Knuth's two-sum).
-fn exact_sum(a: f64, b: f64) -> (f64, f64) {
-    let sum = a + b;
-    let b_part = sum - a;
-    (sum, (a - (sum - b_part)) + (b - b_part))
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use super::generator::Generator;
 use super::half_space::{Directions, HalfSpace};
 use super::scattering::Scattering;
 use crate::JonesMatrix;
-use crate::fresnel::normal_index_of;
+use crate::fresnel::{self, normal_index_of};
 use crate::layered::{
     self, FilmError, Medium, checked_index, checked_thickness, transparent_index,
 };
@@ -301,7 +301,7 @@ impl CrystalStack {
             front: JonesSide {
                 reflection: jones(&reflection),
                 transmission: jones(&transmission),
-                power_weight: layered::power_weight(self.incident, self.exit, incidence.cos_i),
+                power_weight: fresnel::power_weight(self.incident, self.exit, incidence.cos_i),
                 exit: self.exit,
             },
             back: (self.exit.im == 0.0 && w.re > 0.0).then(|| JonesSide {

@@ -1,7 +1,7 @@
 //! Stacks of films against closed forms, a textbook product of matrices, and the laws of energy and reciprocity.
 
 use super::*;
-use crate::fresnel;
+
 use nalgebra::Matrix2;
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, TAU};
