@@ -45,7 +45,7 @@ pub enum FilmError {
     },
     /// Light in an absorbing exit medium has no Stokes vector of its own: s and p carry power differently.
     #[error(
-        "transmission: no mueller matrix into an exit medium with k = {k}, expected k = 0; use the amplitudes"
+        "transmission: no Mueller matrix into an exit medium with k = {k}, expected k = 0; use the amplitudes"
     )]
     AbsorbingExit {
         /// Extinction coefficient of the exit medium.

@@ -105,8 +105,8 @@ impl CrossSpectralDensity {
         }
     }
 
-    /// Asks whether the matrix is that of light at one point: Hermitian, with no eigenvalue below `−tolerance` times its
-    /// trace.
+    /// Asks whether the matrix is that of light at one point: Hermitian, with no eigenvalue below `−tolerance` times
+    /// its trace.
     ///
     /// # Errors
     ///

@@ -1,6 +1,6 @@
 //! What is printed in section S4 of the supplemental and does not hold of fields, next to what does. The cone below
-//! (S4.6), (S4.4), (S4.9) and the count below (S4.12) have theirs where the quantities live: `positivity.rs`, `coherence.rs`
-//! and `sixteen.rs`.
+//! (S4.6), (S4.4), (S4.9) and the count below (S4.12) have theirs where the quantities live: `positivity.rs`,
+//! `coherence.rs` and `sixteen.rs`.
 
 use csdm::film::Stack;
 use csdm::{CrossSpectralDensity, Element, GeneralizedMueller, PhaseScreen};

@@ -52,9 +52,9 @@ pub fn amplitudes(n1: Complex64, n2: Complex64, cos_i: f64) -> InterfaceAmplitud
 /// What turns squared amplitudes of transmission into shares of the power, `[s, p]`: `Re(n₂ cos θ₂)/(n₁ cos θ₁)` and
 /// `Re(n₂* cos θ₂)/(n₁ cos θ₁)`.
 ///
-/// From a transparent medium of index `n1` into any other of index `n2 = η − ik`; `cos_i` in `0.0..=1.0`. The two differ in
-/// an absorbing second medium only. 0 beyond the critical angle, infinite at grazing incidence (where the amplitudes
-/// are 0).
+/// From a transparent medium of index `n1` into any other of index `n2 = η − ik`; `cos_i` in `0.0..=1.0`. The two
+/// differ in an absorbing second medium only. 0 beyond the critical angle, infinite at grazing incidence (where the
+/// amplitudes are 0).
 ///
 /// Source: Born & Wolf, Principles of Optics, 7th ed., section 1.5.3; for complex indices the normal components of the
 /// energy flow behind the interface.

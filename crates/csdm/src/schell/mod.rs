@@ -17,7 +17,7 @@ use crate::csdm::CrossSpectralDensity;
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum SchellError {
     /// A length or amplitude is not what it has to be.
-    #[error("Schell-model source: {what} is {value}, expected {expected}")]
+    #[error("Schell-model light: {what} is {value}, expected {expected}")]
     Number {
         /// Which number.
         what: &'static str,
