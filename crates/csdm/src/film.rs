@@ -29,7 +29,7 @@ use num_complex::Complex64;
 use stokes::{DiattenuatingRetarder, Mueller, Wavelength};
 
 use crate::JonesMatrix;
-use crate::fresnel::{self, Amplitudes, normal_index_of};
+use crate::fresnel::{self, Amplitudes, normal_index_of, quotient};
 use crate::layered::{self, checked_index, checked_thickness, transparent_index};
 pub use crate::layered::{FilmError, Medium};
 
@@ -169,10 +169,10 @@ impl Stack {
             passed *= decay / norm;
         }
         let incoming = rho * u + v;
-        if incoming == Complex64::ZERO {
-            return (-Complex64::ONE, Complex64::ZERO);
-        }
-        ((rho * u - v) / incoming, 2.0 * rho * passed / incoming)
+        (
+            quotient(rho * u - v, incoming, -1.0),
+            quotient(2.0 * rho * passed, incoming, 0.0),
+        )
     }
 }
 

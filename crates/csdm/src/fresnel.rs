@@ -22,8 +22,8 @@ mod general;
 
 use num_complex::Complex64;
 
-pub(crate) use general::normal_index_of;
 pub use general::{InterfaceAmplitudes, amplitudes, power_weight};
+pub(crate) use general::{normal_index_of, quotient};
 
 /// Amplitudes along the two axes of an interface, dimensionless, in `exp(+iωt)`.
 #[derive(Clone, Copy, Debug, PartialEq)]

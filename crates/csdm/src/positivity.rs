@@ -142,13 +142,14 @@ impl CrossSpectralDensity {
     ///
     /// # Errors
     ///
-    /// When one of the two is not Hermitian, or with the smallest eigenvalue.
+    /// When one of the two is not Hermitian, an element is infinite or not a number, or with the smallest eigenvalue.
     pub fn check_pair(
         &self,
         at_first: &Self,
         at_second: &Self,
         tolerance: f64,
     ) -> Result<(), CoherenceError> {
+        Self::new(self.0)?;
         at_first.check_hermitian(tolerance.max(ROUNDING))?;
         at_second.check_hermitian(tolerance.max(ROUNDING))?;
         let mut whole = Matrix4::zeros();
@@ -158,8 +159,11 @@ impl CrossSpectralDensity {
             .fixed_view_mut::<2, 2>(2, 0)
             .copy_from(&self.0.adjoint());
         whole.fixed_view_mut::<2, 2>(2, 2).copy_from(&at_second.0);
-        let trace = whole.trace().re;
-        let eigenvalue = whole.symmetric_eigenvalues().min();
+        // near 1, so that no square in the search for eigenvalues overflows
+        let scale = power_of_two(whole.camax());
+        let whole = whole.map(|e| e / scale);
+        let trace = whole.trace().re * scale;
+        let eigenvalue = whole.symmetric_eigenvalues().min() * scale;
         let least = -tolerance * trace.abs();
         if eigenvalue < least {
             return Err(CoherenceError::Negative {
@@ -276,6 +280,22 @@ mod tests {
             panic!("{error:?}");
         };
         assert!((eigenvalue + 0.1).abs() < 1e-15 && what == "pair of points");
+    }
+
+    #[test]
+    fn pairs_of_any_size_are_judged() {
+        for size in [1e-300, 1e-160, 1e160, 1e300] {
+            let here = real(size, 0.0, 0.5 * size);
+            assert!(here.check_pair(&here, &here, 1e-15).is_ok());
+            let brighter = real(1.1 * size, 0.0, 0.5 * size);
+            assert!(brighter.check_pair(&here, &here, 1e-15).is_err());
+        }
+        let here = real(1e308, 0.0, 1e308);
+        let overflown = here.plus(&here);
+        assert!(matches!(
+            overflown.check_pair(&here, &here, 1e-15),
+            Err(CoherenceError::NotFinite { .. })
+        ));
     }
 
     fn complex() -> impl Strategy<Value = Complex64> {

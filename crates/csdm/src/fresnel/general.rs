@@ -4,6 +4,7 @@ use num_complex::Complex64;
 
 use super::Amplitudes;
 use crate::doubled::Doubled;
+use crate::scale::power_of_two;
 
 /// What one interface makes of a field of amplitude 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,16 +74,17 @@ pub fn amplitudes(n1: Complex64, n2: Complex64, cos_i: f64) -> InterfaceAmplitud
 pub fn power_weight(n1: f64, n2: Complex64, cos_i: f64) -> [f64; 2] {
     let w = normal_index_of(n1.into(), n2, cos_i);
     let grazing = n1 * cos_i;
-    [w.re / grazing, (n2.conj() * (w / n2)).re / grazing]
+    // a wave that carries no power has the weight 0 at grazing incidence too
+    [w.re, (n2.conj() * (w / n2)).re].map(|flux| if flux == 0.0 { 0.0 } else { flux / grazing })
 }
 
-/// `a/b`, or the `limit` where b is 0.
-fn quotient(a: Complex64, b: Complex64, limit: f64) -> Complex64 {
+/// `a/b`, or the `limit` where b is 0; without underflow of the square of a small b.
+pub(crate) fn quotient(a: Complex64, b: Complex64, limit: f64) -> Complex64 {
     if b == Complex64::ZERO {
-        limit.into()
-    } else {
-        a / b
+        return limit.into();
     }
+    let scale = power_of_two(b.norm());
+    (a / scale) / (b / scale)
 }
 
 /// `w = n₂ cos θ₂ = √(n₂² − n₁² sin² θ₁)` with `Im w ≤ 0`, to the last digits at every angle.
@@ -129,6 +131,21 @@ mod tests {
             (t.p, 0.35898164662565769, 0.19054833218946912),
         ] {
             assert!((found - Complex64::new(re, im)).norm() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn light_that_only_just_grazes_stays_finite_and_passive() {
+        for cos_i in [0.0, f64::MIN_POSITIVE, 1e-300, 1e-160, 1e-150] {
+            for (n1, n2) in [(1.0, 1.0), (3.0, 3.0), (1.0, 1.5), (1.5, 1.0)] {
+                let f = amplitudes(n1.into(), n2.into(), cos_i);
+                let (r, t) = (f.reflected, f.transmitted);
+                assert!(r.s.norm() <= 1.0 + 1e-15 && r.p.norm() <= 1.0 + 1e-15);
+                assert!(t.s.norm() <= 2.0 && t.p.norm() <= 2.0 * n1.max(n2));
+                if n1 > n2 {
+                    assert_eq!(power_weight(n1, n2.into(), cos_i), [0.0, 0.0]);
+                }
+            }
         }
     }
 
