@@ -29,7 +29,8 @@ pub enum RayTransferError {
     },
     /// The system would not conserve the volume of phase space.
     #[error(
-        "ray transfer: the matrix is off a symplectic one (AD − BC = 1) by {defect} of its squared norm, expected at most 1e-12"
+        "ray transfer: the matrix is off a symplectic one (AD − BC = 1) by {defect} of its squared norm, expected at \
+         most 1e-12"
     )]
     NotSymplectic {
         /// Largest entry of `S J Sᵀ − J`, over the squared norm.

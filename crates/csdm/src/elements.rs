@@ -133,8 +133,8 @@ impl JonesMatrix {
         Self::homogeneous(azimuth, ellipticity, ONE, Complex64::from(0.0))
     }
 
-    /// Retarder whose fast eigenpolarization has the given ellipse: amplitude 1 there, `e^{−iδ}` for the opposite one; all three
-    /// in radians, angles as in [`JonesMatrix::homogeneous`].
+    /// Retarder whose fast eigenpolarization has the given ellipse: amplitude 1 there, `e^{−iδ}` for the opposite
+    /// one; all three in radians, angles as in [`JonesMatrix::homogeneous`].
     ///
     /// Its Mueller matrix turns the Poincaré sphere by `−retardance` about the fast eigenpolarization.
     #[must_use]

@@ -8,19 +8,20 @@
 //! ```
 //!
 //! The wave that leaves into the exit medium has `(u, v) = (1, w/a)`. From there the fields are carried up to the
-//! incident medium, layer by layer, by the characteristic matrix, times the decaying exponential `e^{−iφ}`, `φ = k₀ w d`,
-//! wherever φ is not real:
+//! incident medium, layer by layer, by the characteristic matrix, times the decaying exponential `e^{−iφ}`,
+//! `φ = k₀ w d`, wherever φ is not real:
 //!
 //! ```text
 //! e^{−iφ} [cos φ    ia sin φ/w]      C = (1 + E)/2       E = e^{−2iφ}, |E| ≤ 1
 //!         [ib sin φ/w    cos φ]      sin φ e^{−iφ}/w = (1 − E)/(2iw), and k₀ d where w = 0
 //! ```
 //!
-//! No exponential grows, whatever the thickness; the factors `e^{−iφ}` are collected in the transmitted amplitude, which
-//! underflows to 0. Nothing is divided by w or by an amplitude of reflection, so that layers met at their critical angle,
-//! evanescent layers and guided waves behind an evanescent layer are no special cases. Fields are carried against the
-//! direction in which they decay, so rounding errors decay: power is conserved to 1e-12 in lossless stacks
-//! (`film/tests.rs`). The phase has an error of `f64::EPSILON` times `k₀ n d`, which no method can avoid.
+//! No exponential grows, whatever the thickness; the factors `e^{−iφ}` are collected in the transmitted amplitude,
+//! which underflows to 0. Nothing is divided by w or by an amplitude of reflection, so that layers met at their
+//! critical angle, evanescent layers and guided waves behind an evanescent layer are no special cases. Fields are
+//! carried against the direction in which they decay, so rounding errors decay: power is conserved to 1e-12 in
+//! lossless stacks (`film/tests.rs`). The phase has an error of `f64::EPSILON` times `k₀ n d`, which no method can
+//! avoid.
 //!
 //! Source: Born & Wolf, Principles of Optics, 7th ed., section 1.6.2, with fields in `exp(+iωt)`.
 
@@ -28,7 +29,7 @@ use num_complex::Complex64;
 use stokes::{DiattenuatingRetarder, Mueller, Wavelength};
 
 use crate::JonesMatrix;
-use crate::fresnel::{Amplitudes, normal_index_of};
+use crate::fresnel::{self, Amplitudes, normal_index_of, quotient};
 use crate::layered::{self, checked_index, checked_thickness, transparent_index};
 pub use crate::layered::{FilmError, Medium};
 
@@ -134,7 +135,7 @@ impl Stack {
                 // from the magnetic to the electric field
                 p: t_p * (n1 / self.exit),
             },
-            power_weight: layered::power_weight(n1, self.exit, cos_i),
+            power_weight: fresnel::power_weight(n1, self.exit, cos_i),
             exit: self.exit,
         }
     }
@@ -168,10 +169,10 @@ impl Stack {
             passed *= decay / norm;
         }
         let incoming = rho * u + v;
-        if incoming == Complex64::ZERO {
-            return (-Complex64::ONE, Complex64::ZERO);
-        }
-        ((rho * u - v) / incoming, 2.0 * rho * passed / incoming)
+        (
+            quotient(rho * u - v, incoming, -1.0),
+            quotient(2.0 * rho * passed, incoming, 0.0),
+        )
     }
 }
 
@@ -214,7 +215,8 @@ impl StackAmplitudes {
         DiattenuatingRetarder::from_amplitudes(self.reflected.s, self.reflected.p).to_mueller()
     }
 
-    /// The Mueller matrix of transmission, power weight included; all zeros beyond the critical angle of the exit medium.
+    /// The Mueller matrix of transmission, power weight included; all zeros beyond the critical angle of the exit
+    /// medium.
     ///
     /// The change of radiance with the solid angle is not in it.
     ///
@@ -226,8 +228,8 @@ impl StackAmplitudes {
     }
 }
 
-/// The functions of `φ = w k₀ d` in a layer's matrix, all of them times `decay`, which is `e^{−iφ}`, or 1 where the wave
-/// does not decay.
+/// The functions of `φ = w k₀ d` in a layer's matrix, all of them times `decay`, which is `e^{−iφ}`, or 1 where the
+/// wave does not decay.
 struct Characteristic {
     cosine: Complex64,
     /// `sin φ/w`

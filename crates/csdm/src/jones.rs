@@ -111,7 +111,7 @@ impl JonesMatrix {
     /// The Mueller matrix of this element: `M_lj = ½ tr(σ_l T σ_j T†)`, with `σ` the identity and the Pauli
     /// matrices in the order of the Stokes parameters.
     ///
-    /// Source: Theorem S4.12 of the supplemental of Steinberg & Yan 2021 with fields in `exp(+iωt)`. Error of a
+    /// Source: Eq. (S4.12) of the supplemental of Steinberg & Yan 2021 with fields in `exp(+iωt)`. Error of a
     /// few `f64::EPSILON` times the squared norm of the matrix.
     #[must_use]
     pub fn mueller(&self) -> Mueller {

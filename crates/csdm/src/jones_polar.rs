@@ -11,8 +11,8 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// A Jones matrix as a diattenuator followed by a retarder.
 ///
-/// `T = U H`: `H` is Hermitian and not negative, a diattenuator; `U` is unitary, a retarder. In two dimensions both follow
-/// without iterations from the conjugate cofactor matrix `K = adj(T)†`:
+/// `T = U H`: `H` is Hermitian and not negative, a diattenuator; `U` is unitary, a retarder. In two dimensions both
+/// follow without iterations from the conjugate cofactor matrix `K = adj(T)†`:
 ///
 /// ```text
 /// U = (T + e^{iθ} K)/(σ₁ + σ₂),   e^{iθ} = det T/|det T|

@@ -5,7 +5,6 @@ use stokes::{Mueller, Wavelength};
 use thiserror::Error;
 
 use crate::JonesMatrix;
-use crate::fresnel::normal_index_of;
 
 /// Moduli of refractive indices lie between this and its inverse.
 const SMALLEST_INDEX: f64 = 1e-8;
@@ -46,7 +45,7 @@ pub enum FilmError {
     },
     /// Light in an absorbing exit medium has no Stokes vector of its own: s and p carry power differently.
     #[error(
-        "transmission: no mueller matrix into an exit medium with k = {k}, expected k = 0; use the amplitudes"
+        "transmission: no Mueller matrix into an exit medium with k = {k}, expected k = 0; use the amplitudes"
     )]
     AbsorbingExit {
         /// Extinction coefficient of the exit medium.
@@ -110,14 +109,6 @@ pub(crate) fn checked_thickness(thickness: f64, medium: Medium) -> Result<f64, F
 /// `k₀ d`, the thickness in radians of vacuum.
 pub(crate) fn optical_depth(thickness: f64, wavelength: Wavelength) -> f64 {
     std::f64::consts::TAU * (thickness / wavelength.metres())
-}
-
-/// `[s, p]` power weights from a transparent medium into any other: `Re(n₂ cos θ₂)/(n₁ cos θ₁)` for s and
-/// `Re(n₂* cos θ₂)/(n₁ cos θ₁)` for p, the normal components of their energy flows.
-pub(crate) fn power_weight(n1: f64, n2: Complex64, cos_i: f64) -> [f64; 2] {
-    let w = normal_index_of(n1.into(), n2, cos_i);
-    let grazing = n1 * cos_i;
-    [w.re / grazing, (n2.conj() * (w / n2)).re / grazing]
 }
 
 /// The Mueller matrix of transmission, power weight included.

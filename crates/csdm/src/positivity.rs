@@ -6,6 +6,7 @@ use stokes::StokesVector;
 use thiserror::Error;
 
 use crate::csdm::CrossSpectralDensity;
+use crate::doubled::Doubled;
 use crate::scale::power_of_two;
 
 /// Deviation from a Hermitian matrix, relative to its largest element, that one-point observables still accept.
@@ -104,8 +105,8 @@ impl CrossSpectralDensity {
         }
     }
 
-    /// Asks whether the matrix is that of light at one point: Hermitian, with no eigenvalue below `−tolerance` times its
-    /// trace.
+    /// Asks whether the matrix is that of light at one point: Hermitian, with no eigenvalue below `−tolerance` times
+    /// its trace.
     ///
     /// # Errors
     ///
@@ -141,13 +142,14 @@ impl CrossSpectralDensity {
     ///
     /// # Errors
     ///
-    /// When one of the two is not Hermitian, or with the smallest eigenvalue.
+    /// When one of the two is not Hermitian, an element is infinite or not a number, or with the smallest eigenvalue.
     pub fn check_pair(
         &self,
         at_first: &Self,
         at_second: &Self,
         tolerance: f64,
     ) -> Result<(), CoherenceError> {
+        Self::new(self.0)?;
         at_first.check_hermitian(tolerance.max(ROUNDING))?;
         at_second.check_hermitian(tolerance.max(ROUNDING))?;
         let mut whole = Matrix4::zeros();
@@ -157,8 +159,11 @@ impl CrossSpectralDensity {
             .fixed_view_mut::<2, 2>(2, 0)
             .copy_from(&self.0.adjoint());
         whole.fixed_view_mut::<2, 2>(2, 2).copy_from(&at_second.0);
-        let trace = whole.trace().re;
-        let eigenvalue = whole.symmetric_eigenvalues().min();
+        // near 1, so that no square in the search for eigenvalues overflows
+        let scale = power_of_two(whole.camax());
+        let whole = whole.map(|e| e / scale);
+        let trace = whole.trace().re * scale;
+        let eigenvalue = whole.symmetric_eigenvalues().min() * scale;
         let least = -tolerance * trace.abs();
         if eigenvalue < least {
             return Err(CoherenceError::Negative {
@@ -182,29 +187,11 @@ impl CrossSpectralDensity {
         let scale = power_of_two(size);
         let m = self.0.map(|e| e / scale);
         let cross = 0.5 * (m[(0, 1)] + m[(1, 0)].conj());
-        let terms = [
-            exact_product(m[(0, 0)].re, m[(1, 1)].re),
-            exact_product(-cross.re, cross.re),
-            exact_product(-cross.im, cross.im),
-        ];
-        let (first, lost_first) = exact_sum(terms[0].0, terms[1].0);
-        let (sum, lost_second) = exact_sum(first, terms[2].0);
-        let determinant = sum + (lost_first + lost_second + terms[0].1 + terms[1].1 + terms[2].1);
-        determinant / (size / scale) * scale
+        let determinant = Doubled::product(m[(0, 0)].re, m[(1, 1)].re)
+            + Doubled::product(-cross.re, cross.re)
+            + Doubled::product(-cross.im, cross.im);
+        determinant.0 / (size / scale) * scale
     }
-}
-
-/// `a b` and what rounding took from it (Dekker, with a fused multiply-add).
-fn exact_product(a: f64, b: f64) -> (f64, f64) {
-    let product = a * b;
-    (product, a.mul_add(b, -product))
-}
-
-/// `a + b` and what rounding took from it (Knuth's two-sum).
-fn exact_sum(a: f64, b: f64) -> (f64, f64) {
-    let sum = a + b;
-    let b_part = sum - a;
-    (sum, (a - (sum - b_part)) + (b - b_part))
 }
 
 #[cfg(test)]
@@ -293,6 +280,22 @@ mod tests {
             panic!("{error:?}");
         };
         assert!((eigenvalue + 0.1).abs() < 1e-15 && what == "pair of points");
+    }
+
+    #[test]
+    fn pairs_of_any_size_are_judged() {
+        for size in [1e-300, 1e-160, 1e160, 1e300] {
+            let here = real(size, 0.0, 0.5 * size);
+            assert!(here.check_pair(&here, &here, 1e-15).is_ok());
+            let brighter = real(1.1 * size, 0.0, 0.5 * size);
+            assert!(brighter.check_pair(&here, &here, 1e-15).is_err());
+        }
+        let here = real(1e308, 0.0, 1e308);
+        let overflown = here.plus(&here);
+        assert!(matches!(
+            overflown.check_pair(&here, &here, 1e-15),
+            Err(CoherenceError::NotFinite { .. })
+        ));
     }
 
     fn complex() -> impl Strategy<Value = Complex64> {

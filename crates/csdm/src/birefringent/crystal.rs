@@ -123,8 +123,8 @@ impl Crystal {
 
     /// A biaxial medium with refractive indices `indices` along its three principal axes.
     ///
-    /// In plate axes: the first principal axis lies along `first`, the second in the plane of `first` and `second` on the
-    /// side of `second`, the third completes a right-handed frame. The vectors may have any length.
+    /// In plate axes: the first principal axis lies along `first`, the second in the plane of `first` and `second` on
+    /// the side of `second`, the third completes a right-handed frame. The vectors may have any length.
     ///
     /// # Errors
     ///

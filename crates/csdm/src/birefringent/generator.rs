@@ -7,8 +7,8 @@
 //! a = (u + v)/√2,   b = (u − v)/√2,        |a|² − |b|² = 2 Re u·v*        d/dz (a, b) = −i k₀ M (a, b)
 //! ```
 //!
-//! which are plane waves of vacuum at normal incidence, to and fro. Whatever is passive reflects and transmits them with a
-//! contraction, whatever is lossless with a unitary matrix.
+//! which are plane waves of vacuum at normal incidence, to and fro. Whatever is passive reflects and transmits them
+//! with a contraction, whatever is lossless with a unitary matrix.
 //!
 //! Source: Berreman, J. Opt. Soc. Am. 62, 502 (1972), for the elimination of the normal fields.
 

@@ -27,7 +27,8 @@ impl Crystal {
     ///
     /// Where the two coincide their rays are those of one pair of polarizations out of many.
     ///
-    /// Source: Born & Wolf, Principles of Optics, 7th ed., section 15.2; computed from Maxwell's equations in the layer.
+    /// Source: Born & Wolf, Principles of Optics, 7th ed., section 15.2; computed from Maxwell's equations in the
+    /// layer.
     ///
     /// # Errors
     ///

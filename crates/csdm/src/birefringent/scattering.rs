@@ -96,7 +96,8 @@ impl Scattering<Complex64, 2> {
         Self::from_blocks(&s)
     }
 
-    /// The nearest contraction: what rounding has added to an absorbing layer, and doubling would make a gain, is taken off.
+    /// The nearest contraction: what rounding has added to an absorbing layer, and doubling would make a gain, is
+    /// taken off.
     fn made_passive(&self) -> Self {
         let s = self.matrix();
         let power = s.adjoint() * s;

@@ -9,7 +9,7 @@ use super::generator::Generator;
 use super::half_space::{Directions, HalfSpace};
 use super::scattering::Scattering;
 use crate::JonesMatrix;
-use crate::fresnel::normal_index_of;
+use crate::fresnel::{self, normal_index_of};
 use crate::layered::{
     self, FilmError, Medium, checked_index, checked_thickness, transparent_index,
 };
@@ -151,8 +151,8 @@ impl CrystalStack {
 
     /// Jones matrices with all internal reflections in phase.
     ///
-    /// Source and accuracy: the page of [`crate::birefringent`]. Power is conserved to 1e-13 in lossless stacks. In media of
-    /// equal index without layers the error grows as `f64::EPSILON/cos_i` toward grazing incidence.
+    /// Source and accuracy: the page of [`crate::birefringent`]. Power is conserved to 1e-13 in lossless stacks. In
+    /// media of equal index without layers the error grows as `f64::EPSILON/cos_i` toward grazing incidence.
     #[must_use]
     pub fn coherent(&self, incidence: &Incidence, wavelength: Wavelength) -> PlateJones {
         let layers = self
@@ -200,8 +200,9 @@ impl CrystalStack {
     /// waves of every thick layer. The retardance between the two waves is kept, and with it interference between waves
     /// reflected equally often.
     ///
-    /// A layer so thin that an evanescent wave crosses it should be counted as coherent: a power of its own is not carried by
-    /// such a wave. Source: the geometric series of bounces, each with the Mueller matrix of its Jones matrix.
+    /// A layer so thin that an evanescent wave crosses it should be counted as coherent: a power of its own is not
+    /// carried by such a wave. Source: the geometric series of bounces, each with the Mueller matrix of its Jones
+    /// matrix.
     ///
     /// # Errors
     ///
@@ -301,7 +302,7 @@ impl CrystalStack {
             front: JonesSide {
                 reflection: jones(&reflection),
                 transmission: jones(&transmission),
-                power_weight: layered::power_weight(self.incident, self.exit, incidence.cos_i),
+                power_weight: fresnel::power_weight(self.incident, self.exit, incidence.cos_i),
                 exit: self.exit,
             },
             back: (self.exit.im == 0.0 && w.re > 0.0).then(|| JonesSide {

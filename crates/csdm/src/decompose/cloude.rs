@@ -77,8 +77,8 @@ impl CloudeSpectrum {
 
     /// Up to four Jones matrices whose mixture has this Mueller matrix.
     ///
-    /// Eigenvalues of modulus up to `tolerance` times the largest are left out, which moves the Mueller matrix by at most
-    /// `4 · tolerance · M00` in the Frobenius norm. An opaque element is one Jones matrix of zeros.
+    /// Eigenvalues of modulus up to `tolerance` times the largest are left out, which moves the Mueller matrix by at
+    /// most `4 · tolerance · M00` in the Frobenius norm. An opaque element is one Jones matrix of zeros.
     ///
     /// # Errors
     ///
@@ -140,8 +140,8 @@ impl CloudeSpectrum {
         Ok(terms.sum::<f64>() / 4f64.ln())
     }
 
-    /// Depolarization index `√((Σ M_lj² − M00²)/(3 M00²))`, in `0.0..=1.0` for a realizable matrix: 1 for a single Jones
-    /// matrix, 0 for an ideal depolarizer and for an opaque element.
+    /// Depolarization index `√((Σ M_lj² − M00²)/(3 M00²))`, in `0.0..=1.0` for a realizable matrix: 1 for a single
+    /// Jones matrix, 0 for an ideal depolarizer and for an opaque element.
     ///
     /// From differences of the eigenvalues, without cancellation near 0.
     ///

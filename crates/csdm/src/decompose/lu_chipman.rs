@@ -78,8 +78,8 @@ pub struct PolarDecomposition {
 impl PolarDecomposition {
     /// Decomposes a Mueller matrix.
     ///
-    /// The product of the factors is the matrix to a few `f64::EPSILON` over `a = √(1 − |D|²)`; the depolarizer by itself has
-    /// an error of a few over `a²`.
+    /// The product of the factors is the matrix to a few `f64::EPSILON` over `a = √(1 − |D|²)`; the depolarizer by
+    /// itself has an error of a few over `a²`.
     ///
     /// # Errors
     ///
@@ -121,8 +121,8 @@ impl PolarDecomposition {
         self.depolarizer * self.retarder * self.diattenuator * self.transmittance
     }
 
-    /// Diattenuation vector `D = (M01, M02, M03)/M00`, of length at most 1: the Stokes direction of the best transmitted
-    /// light.
+    /// Diattenuation vector `D = (M01, M02, M03)/M00`, of length at most 1: the Stokes direction of the best
+    /// transmitted light.
     #[must_use]
     pub fn diattenuation(&self) -> [f64; 3] {
         [1, 2, 3].map(|i| self.diattenuator.element(0, i))
@@ -134,8 +134,8 @@ impl PolarDecomposition {
         [1, 2, 3].map(|i| self.depolarizer.element(i, 0))
     }
 
-    /// Retardance vector: the Stokes direction of the fast eigenpolarization times the retardance δ, radians, of length in
-    /// `0.0..=π`.
+    /// Retardance vector: the Stokes direction of the fast eigenpolarization times the retardance δ, radians, of
+    /// length in `0.0..=π`.
     ///
     /// Error of a few `f64::EPSILON`, its direction included unless δ is tiny; at δ = π the two eigenpolarizations are
     /// fast alike and one is chosen.

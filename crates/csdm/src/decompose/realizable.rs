@@ -38,8 +38,8 @@ pub enum NotRealizable {
     },
     /// One Jones matrix was asked for, and the element depolarizes.
     #[error(
-        "Mueller matrix: the second eigenvalue of its coherency matrix is {second} beside the first, {first}, expected at \
-         most {limit}: it depolarizes, no single Jones matrix makes it"
+        "Mueller matrix: the second eigenvalue of its coherency matrix is {second} beside the first, {first}, expected \
+         at most {limit}: it depolarizes, no single Jones matrix makes it"
     )]
     Depolarizing {
         /// The largest eigenvalue.
@@ -84,8 +84,8 @@ impl CloudeSpectrum {
         self.with_eigenvalues(self.eigenvalues.map(|value| value.max(0.0)))
     }
 
-    /// The realizable Mueller matrix of the same `M00` that is nearest in the Frobenius norm: all eigenvalues are lowered
-    /// by one amount, those that would become negative are 0.
+    /// The realizable Mueller matrix of the same `M00` that is nearest in the Frobenius norm: all eigenvalues are
+    /// lowered by one amount, those that would become negative are 0.
     ///
     /// # Errors
     ///

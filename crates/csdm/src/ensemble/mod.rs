@@ -24,8 +24,8 @@ pub use varying::{
 
 /// Matter whose Jones matrix is known at every point, at least in the mean.
 ///
-/// An element is known by the second moments of its Jones matrix at two points, a [`TransferTensor`]; what it makes of a
-/// cross-spectral density and its sixteen numbers follow:
+/// An element is known by the second moments of its Jones matrix at two points, a [`TransferTensor`]; what it makes
+/// of a cross-spectral density and its sixteen numbers follow:
 ///
 /// ```text
 /// C'(r₁, r₂) = ⟨T(r₁) C(r₁, r₂) T(r₂)†⟩                                                           (S4.12)

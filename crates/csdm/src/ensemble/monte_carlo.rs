@@ -60,10 +60,10 @@ impl RandomStream {
 /// An ensemble of elements from a function that draws one: `draw(random)` is a realization `T(r)`, itself a function of
 /// the point in metres. Every pair of points costs `samples` draws.
 ///
-/// Realization `i` of seed `s` comes from stream `i` of the ChaCha8 generator with key `s`: the same numbers in any order
-/// and at every pair of points (and on every machine, but for the last digits of normal ones, which depend on its
-/// logarithm and sine). The sample is thus one fixed mixture of deterministic elements, and
-/// what it makes of light is realizable between all pairs of points, whatever its standard error.
+/// Realization `i` of seed `s` comes from stream `i` of the ChaCha8 generator with key `s`: the same numbers in any
+/// order and at every pair of points (and on every machine, but for the last digits of normal ones, which depend on
+/// its logarithm and sine). The sample is thus one fixed mixture of deterministic elements, and what it makes of
+/// light is realizable between all pairs of points, whatever its standard error.
 ///
 /// ```
 /// use csdm::{Element, JonesMatrix, MonteCarlo, RandomStream};
@@ -206,7 +206,8 @@ mod tests {
 
     const LENGTH: f64 = 1e-5;
 
-    /// A rough plate as an ensemble: heights at the origin and at `r` from two normal numbers, correlation `e^{−r²/l²}`.
+    /// A rough plate as an ensemble: heights at the origin and at `r` from two normal numbers, correlation
+    /// `e^{−r²/l²}`.
     fn rough(
         samples: u32,
         seed: u64,
@@ -258,8 +259,8 @@ mod tests {
 
     #[test]
     fn standard_errors_are_what_estimates_scatter_by() {
-        // 64 independent estimates of ⟨cos δ⟩: their scatter against the mean of their own errors. The relative standard
-        // deviation of a standard deviation from 64 values is 1/√126 = 9 %: 4 of these
+        // 64 independent estimates of ⟨cos δ⟩: their scatter against the mean of their own errors. The relative
+        // standard deviation of a standard deviation from 64 values is 1/√126 = 9 %: 4 of these
         let here = Vector2::zeros();
         let estimates: Vec<(f64, f64)> = (0..64)
             .map(|seed| {

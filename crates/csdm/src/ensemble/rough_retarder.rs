@@ -8,6 +8,9 @@ use super::Element;
 use super::screen::{ScreenError, decorrelation, gaussian_moment, not_negative, positive};
 use crate::sixteen::TransferTensor;
 
+/// Its name in messages.
+const ELEMENT: &str = "rough retarder";
+
 /// Depolarizing retardation plate with one rough surface, at normal incidence.
 ///
 /// Model: a thin birefringent plate with its principal axes along `x` and `y`, indices `n_x` and `n_y`, of thickness
@@ -18,8 +21,8 @@ use crate::sixteen::TransferTensor;
 /// ```
 ///
 /// so the two phases are fully correlated and differ by a random retardance of standard deviation
-/// `s = k₀ |n_x − n_y| σ_h`. Light at 45° to the axes keeps the degree of polarization `e^{−s²/2}`. Neglected: reflection
-/// at the surfaces, refraction at the slopes.
+/// `s = k₀ |n_x − n_y| σ_h`. Light at 45° to the axes keeps the degree of polarization `e^{−s²/2}`. Neglected:
+/// reflection at the surfaces, refraction at the slopes.
 ///
 /// Source: the plate of Ma et al. 2015, J. Opt. Soc. Am. A 32, 2346, a rough retardation plate with zero-mean Gaussian
 /// statistics; the formulas are those of [`crate::PhaseScreen`].
@@ -58,12 +61,12 @@ impl RoughRetarder {
         length: f64,
     ) -> Result<Self, ScreenError> {
         let [nx, ny] = indices;
-        positive("the index along x", nx)?;
-        positive("the index along y", ny)?;
-        positive("the index outside", outside)?;
-        not_negative("the thickness", thickness)?;
-        not_negative("the roughness", roughness)?;
-        positive("the correlation length of the surface", length)?;
+        positive(ELEMENT, "the index along x", nx)?;
+        positive(ELEMENT, "the index along y", ny)?;
+        positive(ELEMENT, "the index outside", outside)?;
+        not_negative(ELEMENT, "the thickness", thickness)?;
+        not_negative(ELEMENT, "the roughness", roughness)?;
+        positive(ELEMENT, "the correlation length of the surface", length)?;
         let k0 = wavelength.wavenumber().radians_per_metre();
         Ok(Self {
             mean_retardance: k0 * (ny - nx) * thickness,

@@ -9,20 +9,27 @@ use crate::sixteen::TransferTensor;
 /// Relative slack of the conditions on correlation lengths.
 const ROUNDING: f64 = 1e-12;
 
+/// Its name in messages.
+const ELEMENT: &str = "phase screen";
+
 /// Why no random surface or screen has these numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum ScreenError {
     /// A standard deviation is negative or not finite.
-    #[error("phase screen: {what} is {value}, expected a finite number that is not negative")]
+    #[error("{element}: {what} is {value}, expected a finite number that is not negative")]
     Negative {
+        /// Which element.
+        element: &'static str,
         /// Which number.
         what: &'static str,
         /// What was found.
         value: f64,
     },
     /// A length is not positive and finite.
-    #[error("phase screen: {what} is {value}, expected a finite positive number")]
+    #[error("{element}: {what} is {value}, expected a finite positive number")]
     NotPositive {
+        /// Which element.
+        element: &'static str,
         /// Which number.
         what: &'static str,
         /// What was found.
@@ -36,8 +43,8 @@ pub enum ScreenError {
     },
     /// The cross-correlation is too short.
     #[error(
-        "phase screen: the length of the cross-correlation is {found} m, expected at least {least} m (the root mean square \
-         of the other two): fine structure would be more correlated than present"
+        "phase screen: the length of the cross-correlation is {found} m, expected at least {least} m (the root mean \
+         square of the other two): fine structure would be more correlated than present"
     )]
     CrossTooShort {
         /// `l_xy`.
@@ -78,8 +85,8 @@ pub struct CorrelationLengths {
 /// e_ij = ⟨T_ii(r₁) T*_jj(r₂)⟩ = exp(−(s_i² + s_j²)/2 + s_i s_j c_ij η_ij)
 /// ```
 ///
-/// evaluated as `exp(−(s_i − s_j)²/2 − s_i s_j (1 − c_ij η_ij))`, with `1 − η` from `expm1`: strong screens lose no digits
-/// to the difference of large squares.
+/// evaluated as `exp(−(s_i − s_j)²/2 − s_i s_j (1 − c_ij η_ij))`, with `1 − η` from `expm1`: strong screens lose no
+/// digits to the difference of large squares.
 ///
 /// Source: Shirai & Wolf 2004, J. Opt. Soc. Am. A 21, 1907; Ma et al. 2015, J. Opt. Soc. Am. A 32, 2346 (cited at the
 /// end of section S4.3 of the supplemental of Steinberg & Yan 2021).
@@ -96,8 +103,8 @@ impl PhaseScreen {
     ///
     /// # Errors
     ///
-    /// When a number is out of range, or no Gaussian process has these correlations: its spectral matrix is not negative
-    /// exactly if `(l_xx² + l_yy²)/2 ≤ l_xy² ≤ l_xx l_yy/|c|` (for `c ≠ 0` and two phases).
+    /// When a number is out of range, or no Gaussian process has these correlations: its spectral matrix is not
+    /// negative exactly if `(l_xx² + l_yy²)/2 ≤ l_xy² ≤ l_xx l_yy/|c|` (for `c ≠ 0` and two phases).
     pub fn new(
         deviations: [f64; 2],
         correlation: f64,
@@ -120,11 +127,11 @@ impl PhaseScreen {
         lengths: CorrelationLengths,
     ) -> Result<Self, ScreenError> {
         let [sx, sy] = deviations;
-        not_negative("the standard deviation along x", sx)?;
-        not_negative("the standard deviation along y", sy)?;
-        positive("the correlation length along x", lengths.xx)?;
-        positive("the correlation length along y", lengths.yy)?;
-        positive("the length of the cross-correlation", lengths.xy)?;
+        not_negative(ELEMENT, "the standard deviation along x", sx)?;
+        not_negative(ELEMENT, "the standard deviation along y", sy)?;
+        positive(ELEMENT, "the correlation length along x", lengths.xx)?;
+        positive(ELEMENT, "the correlation length along y", lengths.yy)?;
+        positive(ELEMENT, "the length of the cross-correlation", lengths.xy)?;
         if !(-1.0..=1.0).contains(&correlation) {
             return Err(ScreenError::Correlation { correlation });
         }
@@ -144,6 +151,24 @@ impl PhaseScreen {
         let [xx, yy] = lengths;
         let xy = xx.max(yy);
         Self::new(deviations, 0.0, CorrelationLengths { xx, yy, xy })
+    }
+
+    /// Standard deviations of the phases along `x` and `y`, radians.
+    #[must_use]
+    pub fn deviations(&self) -> [f64; 2] {
+        self.deviations
+    }
+
+    /// Correlation of the two phases at one point, −1 to 1.
+    #[must_use]
+    pub fn correlation(&self) -> f64 {
+        self.correlation
+    }
+
+    /// The three correlation lengths.
+    #[must_use]
+    pub fn lengths(&self) -> CorrelationLengths {
+        self.lengths
     }
 
     /// Asks whether a Gaussian process with these correlations exists.
@@ -205,19 +230,35 @@ pub(super) fn gaussian_moment(si: f64, sj: f64, loss: f64) -> f64 {
     (-0.5 * difference * difference - si * sj * loss).exp()
 }
 
-pub(super) fn positive(what: &'static str, value: f64) -> Result<(), ScreenError> {
+pub(super) fn positive(
+    element: &'static str,
+    what: &'static str,
+    value: f64,
+) -> Result<(), ScreenError> {
     if value.is_finite() && value > 0.0 {
         Ok(())
     } else {
-        Err(ScreenError::NotPositive { what, value })
+        Err(ScreenError::NotPositive {
+            element,
+            what,
+            value,
+        })
     }
 }
 
-pub(super) fn not_negative(what: &'static str, value: f64) -> Result<(), ScreenError> {
+pub(super) fn not_negative(
+    element: &'static str,
+    what: &'static str,
+    value: f64,
+) -> Result<(), ScreenError> {
     if value.is_finite() && value >= 0.0 {
         Ok(())
     } else {
-        Err(ScreenError::Negative { what, value })
+        Err(ScreenError::Negative {
+            element,
+            what,
+            value,
+        })
     }
 }
 
@@ -291,7 +332,11 @@ pub(super) mod tests {
         };
         assert!((most - 6f64.sqrt() * 1e-4).abs() < 1e-18);
         assert!(PhaseScreen::independent([-1.0, 1.0], [1.0, 1.0]).is_err());
-        assert!(PhaseScreen::independent([1.0, 1.0], [0.0, 1.0]).is_err());
+        let error = PhaseScreen::independent([1.0, 1.0], [0.0, 1.0]).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "phase screen: the correlation length along x is 0, expected a finite positive number"
+        );
         assert!(PhaseScreen::new([1.0, 1.0], 1.5, lengths(1.0, 1.0, 1.0)).is_err());
     }
 

@@ -31,8 +31,8 @@ pub enum PatternError {
     },
     /// A table's row is not finite, or does not lie above the row before.
     #[error(
-        "voltage response: row {row} is ({volts} V, {retardance} rad), expected finite numbers and a voltage above that \
-         of the row before"
+        "voltage response: row {row} is ({volts} V, {retardance} rad), expected finite numbers and a voltage above \
+         that of the row before"
     )]
     BadRow {
         /// Which row, from 0.
@@ -91,8 +91,8 @@ pub struct GaussianAperture {
 }
 
 impl GaussianAperture {
-    /// The aperture of these `widths` w, metres: radii at which the amplitude along `x`, respectively `y`, falls to `1/e`.
-    /// An infinite width does not limit its axis.
+    /// The aperture of these `widths` w, metres: radii at which the amplitude along `x`, respectively `y`, falls to
+    /// `1/e`. An infinite width does not limit its axis.
     ///
     /// # Errors
     ///
@@ -230,8 +230,8 @@ mod tests {
 
     const PERIOD: f64 = 10e-6;
 
-    /// Stokes vector of diffraction order `q` behind scattering functions `Σ(x₁, x₂)`, by the double Fourier sum with the
-    /// kernel `e^{−iqG(x₁ − x₂)}` over one period.
+    /// Stokes vector of diffraction order `q` behind scattering functions `Σ(x₁, x₂)`, by the double Fourier sum with
+    /// the kernel `e^{−iqG(x₁ − x₂)}` over one period.
     fn order(
         q: i32,
         light: StokesVector,

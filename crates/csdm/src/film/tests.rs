@@ -1,7 +1,7 @@
 //! Stacks of films against closed forms, a textbook product of matrices, and the laws of energy and reciprocity.
 
 use super::*;
-use crate::fresnel;
+
 use nalgebra::Matrix2;
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -239,6 +239,12 @@ fn grazing_light_is_reflected_and_total_reflection_transmits_nothing() {
     assert_eq!(a.transmission_mueller().unwrap().to_matrix().amax(), 0.0);
     let a = solve(1.0, &[], 1.0.into(), 0.0);
     assert_eq!(a.reflectance(), [1.0, 1.0]);
+    // so little of a cosine that its square is 0
+    for cos_i in [1e-300, 1e-160] {
+        let a = solve(1.5, &[layer(index(1.0, 1.0), 0.0)], 1.5.into(), cos_i);
+        let sum = [0, 1].map(|i| a.reflectance()[i] + a.transmittance()[i]);
+        assert!(sum.iter().all(|s| *s <= 1.0 + 1e-15), "{sum:?}");
+    }
     let a = solve(1.5, &[layer(1.3.into(), 0.2)], 1.0.into(), 0.5);
     assert_eq!(a.power_weight, [0.0, 0.0]);
     assert_eq!(a.transmission_mueller().unwrap().to_matrix().amax(), 0.0);

@@ -3,13 +3,15 @@
 use num_complex::Complex64;
 
 use super::Amplitudes;
+use crate::doubled::Doubled;
+use crate::scale::power_of_two;
 
 /// What one interface makes of a field of amplitude 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InterfaceAmplitudes {
     /// Of the reflected light, `r_s` and `r_p`.
     pub reflected: Amplitudes,
-    /// Of the transmitted light, `t_s` and `t_p`, without power weights.
+    /// Of the transmitted light, `t_s` and `t_p`, without the weights of [`power_weight`].
     pub transmitted: Amplitudes,
 }
 
@@ -48,13 +50,41 @@ pub fn amplitudes(n1: Complex64, n2: Complex64, cos_i: f64) -> InterfaceAmplitud
     }
 }
 
-/// `a/b`, or the `limit` where b is 0.
-fn quotient(a: Complex64, b: Complex64, limit: f64) -> Complex64 {
+/// What turns squared amplitudes of transmission into shares of the power, `[s, p]`: `Re(n₂ cos θ₂)/(n₁ cos θ₁)` and
+/// `Re(n₂* cos θ₂)/(n₁ cos θ₁)`.
+///
+/// From a transparent medium of index `n1` into any other of index `n2 = η − ik`; `cos_i` in `0.0..=1.0`. The two
+/// differ in an absorbing second medium only. 0 beyond the critical angle, infinite at grazing incidence (where the
+/// amplitudes are 0).
+///
+/// Source: Born & Wolf, Principles of Optics, 7th ed., section 1.5.3; for complex indices the normal components of the
+/// energy flow behind the interface.
+///
+/// ```
+/// use num_complex::Complex64;
+/// use csdm::fresnel;
+/// // gold at 633 nm, 75°: what is not reflected goes in
+/// let (gold, cos_i) = (Complex64::new(0.183, -3.43), 75f64.to_radians().cos());
+/// let f = fresnel::amplitudes(1.0.into(), gold, cos_i);
+/// let [_, weight] = fresnel::power_weight(1.0, gold, cos_i);
+/// let balance = f.reflected.p.norm_sqr() + weight * f.transmitted.p.norm_sqr();
+/// assert!((balance - 1.0).abs() < 1e-14);
+/// ```
+#[must_use]
+pub fn power_weight(n1: f64, n2: Complex64, cos_i: f64) -> [f64; 2] {
+    let w = normal_index_of(n1.into(), n2, cos_i);
+    let grazing = n1 * cos_i;
+    // a wave that carries no power has the weight 0 at grazing incidence too
+    [w.re, (n2.conj() * (w / n2)).re].map(|flux| if flux == 0.0 { 0.0 } else { flux / grazing })
+}
+
+/// `a/b`, or the `limit` where b is 0; without underflow of the square of a small b.
+pub(crate) fn quotient(a: Complex64, b: Complex64, limit: f64) -> Complex64 {
     if b == Complex64::ZERO {
-        limit.into()
-    } else {
-        a / b
+        return limit.into();
     }
+    let scale = power_of_two(b.norm());
+    (a / scale) / (b / scale)
 }
 
 /// `w = n₂ cos θ₂ = √(n₂² − n₁² sin² θ₁)` with `Im w ≤ 0`, to the last digits at every angle.
@@ -79,44 +109,6 @@ fn square(z: Complex64) -> [Doubled; 2] {
     [re, Doubled::product(2.0 * z.re, z.im)]
 }
 
-/// An unevaluated sum of two numbers, the second below half a unit in the last place of the first.
-///
-/// Source: Dekker, Numerische Mathematik 18, 224 (1971).
-#[derive(Clone, Copy)]
-struct Doubled(f64, f64);
-
-impl Doubled {
-    /// `a·b`, exactly.
-    fn product(a: f64, b: f64) -> Self {
-        let high = a * b;
-        Self(high, a.mul_add(b, -high))
-    }
-
-    /// `a + b`, exactly.
-    fn sum(a: f64, b: f64) -> Self {
-        let high = a + b;
-        let part = high - a;
-        Self(high, (a - (high - part)) + (b - part))
-    }
-}
-
-impl std::ops::Add for Doubled {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        let (high, low) = (Self::sum(self.0, other.0), Self::sum(self.1, other.1));
-        let first = Self::sum(high.0, high.1 + low.0);
-        Self::sum(first.0, first.1 + low.1)
-    }
-}
-
-impl std::ops::Mul for Doubled {
-    type Output = Self;
-    fn mul(self, other: Self) -> Self {
-        let high = Self::product(self.0, other.0);
-        Self::sum(high.0, high.1 + (self.0 * other.1 + self.1 * other.0))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::{reflection, reflection_dielectric, transmission_dielectric};
@@ -139,6 +131,21 @@ mod tests {
             (t.p, 0.35898164662565769, 0.19054833218946912),
         ] {
             assert!((found - Complex64::new(re, im)).norm() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn light_that_only_just_grazes_stays_finite_and_passive() {
+        for cos_i in [0.0, f64::MIN_POSITIVE, 1e-300, 1e-160, 1e-150] {
+            for (n1, n2) in [(1.0, 1.0), (3.0, 3.0), (1.0, 1.5), (1.5, 1.0)] {
+                let f = amplitudes(n1.into(), n2.into(), cos_i);
+                let (r, t) = (f.reflected, f.transmitted);
+                assert!(r.s.norm() <= 1.0 + 1e-15 && r.p.norm() <= 1.0 + 1e-15);
+                assert!(t.s.norm() <= 2.0 && t.p.norm() <= 2.0 * n1.max(n2));
+                if n1 > n2 {
+                    assert_eq!(power_weight(n1, n2.into(), cos_i), [0.0, 0.0]);
+                }
+            }
         }
     }
 

@@ -6,14 +6,18 @@ mod source;
 pub use beam::SchellBeam;
 pub use source::SchellSource;
 
-use stokes::{FrameError, LightError, ShapeError};
+use nalgebra::Matrix2;
+use num_complex::Complex64;
+use stokes::{FrameError, LightError, ShapeError, StokesVector};
 use thiserror::Error;
+
+use crate::csdm::CrossSpectralDensity;
 
 /// Why numbers are no Schell-model source, or why it cannot be asked for this light.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum SchellError {
     /// A length or amplitude is not what it has to be.
-    #[error("Schell-model source: {what} is {value}, expected {expected}")]
+    #[error("Schell-model light: {what} is {value}, expected {expected}")]
     Number {
         /// Which number.
         what: &'static str,
@@ -52,4 +56,9 @@ pub enum SchellError {
     /// The light cannot be described.
     #[error(transparent)]
     Light(#[from] LightError),
+}
+
+/// The Stokes vector of one point from the elements xx, yy and xy of its matrix.
+fn one_point([xx, yy, xy]: [Complex64; 3]) -> StokesVector {
+    CrossSpectralDensity(Matrix2::new(xx, xy, xy.conj(), yy)).real_stokes()
 }

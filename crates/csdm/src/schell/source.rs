@@ -8,8 +8,8 @@ use stokes::{
     Components, Frame, GeneralizedStokes, HermiteSeries, ShapeMatrix, StokesVector, Wavelength,
 };
 
-use super::SchellError;
 use super::beam::{Element, SchellBeam};
+use super::{SchellError, one_point};
 use crate::abcd::{AstigmaticTransfer, RayTransfer};
 
 /// An electromagnetic Gaussian Schell-model source: round, all elements with the same spread of intensity.
@@ -191,11 +191,10 @@ impl SchellSource {
     pub fn radiance(&self, sine: f64) -> StokesVector {
         let k = self.wavelength.wavenumber().radians_per_metre();
         let (amplitudes, ells) = (self.amplitudes(), self.transverse());
-        let [xx, yy, xy]: [Complex64; 3] = std::array::from_fn(|i| {
+        one_point(std::array::from_fn(|i| {
             let k2l2 = k * k * ells[i];
             amplitudes[i] * (k2l2 / (2.0 * PI)) * (-0.5 * k2l2 * sine * sine).exp()
-        });
-        StokesVector::new(xx.re + yy.re, xx.re - yy.re, 2.0 * xy.re, -2.0 * xy.im)
+        }))
     }
 
     /// The light that the whole source sends along the unit vector `direction`, `distance` metres away.
@@ -244,161 +243,4 @@ impl SchellSource {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const RED: f64 = 632.8e-9;
-
-    fn source(amplitudes: [f64; 2], b: Complex64, sigma: f64, widths: [f64; 3]) -> SchellSource {
-        let red = Wavelength::from_metres(RED).unwrap();
-        SchellSource::new(red, amplitudes, b, sigma, widths).unwrap()
-    }
-
-    fn uncorrelated(amplitudes: [f64; 2], sigma: f64, dx: f64, dy: f64) -> SchellSource {
-        source(
-            amplitudes,
-            Complex64::new(0.0, 0.0),
-            sigma,
-            [dx, dy, dx.hypot(dy)],
-        )
-    }
-
-    /// S1/S0 on the axis at distance z, published to the digits given.
-    #[test]
-    fn an_unpolarized_source_becomes_polarized_on_the_way() {
-        let equal = uncorrelated([1.0, 1.0], 1e-2, 2e-4, 4e-4);
-        let weaker_y = uncorrelated([1.0, 0.5f64.sqrt()], 1e-2, 2e-4, 4e-4);
-        let ratio = |source: &SchellSource, z: f64| {
-            let light = source.stokes(&Vector2::zeros(), z).unwrap();
-            light.s1() / light.s0()
-        };
-        for (z, expected, half_unit) in [
-            (0.0, 0.0, 1e-15),
-            (1.0, -0.000_949_416, 5e-10),
-            (10.0, -0.082_081_2, 5e-8),
-            (100.0, -0.564_304_0, 5e-8),
-            (1000.0, -0.599_525_8, 5e-8),
-            (1e7, -0.599_904_0, 5e-8),
-        ] {
-            assert!((ratio(&equal, z) - expected).abs() < half_unit, "{z}");
-        }
-        for (z, expected) in [
-            (0.0, 0.333_333_3),
-            (1.0, 0.332_489_1),
-            (10.0, 0.258_319_8),
-            (100.0, -0.284_482_1),
-            (1000.0, -0.332_674_8),
-            (1e7, -0.333_200_0),
-        ] {
-            assert!((ratio(&weaker_y, z) - expected).abs() < 5e-8, "{z}");
-        }
-    }
-
-    /// S1/S0 against the angle from the axis; the radiance follows sin θ.
-    #[test]
-    fn polarization_depends_on_the_direction() {
-        let source = uncorrelated([1.0, 1.0], 1e-2, 1e-6, 2e-6);
-        for (theta, expected) in [
-            (0.0f64, -0.6),
-            (0.02, -0.580_74),
-            (0.05, -0.468_73),
-            (0.08, -0.217_40),
-            (0.12, 0.350_93),
-            (0.2, 0.976_93),
-        ] {
-            let light = source.radiance(theta.sin());
-            assert!(
-                (light.s1() / light.s0() - expected).abs() < 5.1e-6,
-                "{theta}"
-            );
-        }
-        assert!(
-            source
-                .radiance(0.096_972_7f64.sin())
-                .degree_of_polarization()
-                < 1e-5
-        );
-    }
-
-    #[test]
-    fn correlated_fields_have_the_published_polarization() {
-        let source = source(
-            [1.0, 1.0],
-            Complex64::new(0.3, 0.2),
-            1e-2,
-            [1e-6, 2e-6, 1.8e-6],
-        );
-        source.realizability().unwrap();
-        let light = source.radiance(0.1f64.sin());
-        let expected = [1.0, 0.043_778, 0.337_541, -0.225_027];
-        for (found, expected) in light.to_array().into_iter().zip(expected) {
-            assert!((found / light.s0() - expected).abs() < 6e-7, "{found}");
-        }
-        assert!((light.degree_of_polarization() - 0.408_029).abs() < 6e-7);
-    }
-
-    #[test]
-    fn the_limits_of_the_cross_coherence_are_sharp() {
-        let at = |b: f64, width: f64| {
-            source(
-                [1.0, 1.0],
-                Complex64::new(0.0, b),
-                1e-2,
-                [1e-6, 2e-6, width],
-            )
-            .realizability()
-        };
-        let edge = 2.5f64.sqrt() * 1e-6;
-        assert!(at(0.8, edge).is_ok());
-        let text = at(0.81, edge).unwrap_err().to_string();
-        assert!(text.contains("δxy"), "{text}");
-        assert!(at(0.8, 0.99 * edge).is_err() && at(0.0, 0.1 * edge).is_ok());
-    }
-
-    #[test]
-    fn wrong_numbers_are_named() {
-        let red = Wavelength::from_metres(RED).unwrap();
-        let make = |a: f64, b: f64, sigma: f64, width: f64| {
-            SchellSource::new(
-                red,
-                [a, 1.0],
-                Complex64::new(b, 0.0),
-                sigma,
-                [width, 1e-3, 1e-3],
-            )
-        };
-        for (broken, what) in [
-            (make(-1.0, 0.0, 1e-2, 1e-3), "amplitude"),
-            (make(1.0, 1.1, 1e-2, 1e-3), "|Bxy|"),
-            (make(1.0, f64::NAN, 1e-2, 1e-3), "|Bxy|"),
-            (make(1.0, 0.0, 0.0, 1e-3), "width"),
-            (make(1.0, 0.0, 1e-2, f64::INFINITY), "width"),
-        ] {
-            let text = broken.unwrap_err().to_string();
-            assert!(text.contains(what), "{text}");
-        }
-    }
-
-    #[test]
-    fn the_far_field_of_the_light_is_that_of_the_beam() {
-        let source = source(
-            [1.0, 0.8],
-            Complex64::new(0.1, 0.2),
-            1e-3,
-            [1e-4, 1.2e-4, 1.3e-4],
-        );
-        let frame = Frame::with_x_along(Vector3::z(), Vector3::x()).unwrap();
-        let distance = 1e5;
-        let tilt = 2e-4f64;
-        let direction = Vector3::new(tilt, 0.0, (1.0 - tilt * tilt).sqrt());
-        let light = source.light(&frame, &direction, distance).unwrap();
-        let beam = source
-            .stokes(&Vector2::new(tilt * distance, 0.0), distance)
-            .unwrap();
-        // paraxial against exact direction: tilt² ; near against far field: (kσℓ/z)²
-        let relative = (light.stokes().stokes - beam).to_vector().norm() / beam.s0();
-        assert!(relative < 1e-5, "{relative}");
-        let widths = light.shape().theta();
-        assert!((widths.m11 * 1e-6 - 1.0).abs() < 1e-6);
-    }
-}
+mod tests;

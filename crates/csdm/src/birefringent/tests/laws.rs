@@ -196,7 +196,8 @@ proptest! {
         let (m, s) = half_space::eigenvalues(&directions.forward);
         let gap = (m + s).norm().min((m - s).norm());
         let tolerance = 1e-11 + 1e-12 / gap.powi(3).max(1e-9);
-        let error = (bounces.reflection - doubled.reflection).norm() + (bounces.transmission - doubled.transmission).norm()
+        let error = (bounces.reflection - doubled.reflection).norm()
+                + (bounces.transmission - doubled.transmission).norm()
             + (bounces.back_reflection - doubled.back_reflection).norm();
         prop_assert!(error < tolerance, "{} {}", error, gap);
     }

@@ -356,3 +356,28 @@ fn at_an_exceptional_point_there_is_one_wave_for_two() {
         assert!(distance(&direct, &coherent) < 2e-6);
     }
 }
+
+#[test]
+fn plates_multiply_where_interfaces_do_not_reflect_and_only_there() {
+    // birefringence 1e-4 in a medium of that index: amplitudes of reflection of 3e-5
+    let (no, ne, depth) = (1.5, 1.5001, 2500.0);
+    let along = |angle: f64| {
+        let axis = Vector3::new(angle.cos(), angle.sin(), 0.0);
+        layer(
+            &Crystal::uniaxial(no.into(), ne.into(), axis).unwrap(),
+            depth,
+        )
+    };
+    let through = |layers: Vec<CrystalLayer>, outside: f64| {
+        let plate = stack(outside, layers, outside).coherent(&at(1.0, 0.0), light());
+        plate.front.transmission
+    };
+    let error = |outside: f64| {
+        let [first, second] = [0.3, 1.1].map(|angle| through(vec![along(angle)], outside));
+        let both = through(vec![along(0.3), along(1.1)], outside);
+        distance(&both, &(second * first))
+    };
+    assert!(error(no) < 1e-8, "{}", error(no));
+    // in air r = 0.2 and 4 % of the power interferes with the rest
+    assert!(error(1.0) > 0.03, "{}", error(1.0));
+}
