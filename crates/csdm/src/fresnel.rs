@@ -389,7 +389,9 @@ mod tests {
             let Some(t) = transmission_dielectric(cos_i, n1, n2) else { return Ok(()) };
             prop_assume!(t.cos_t > 1e-3);
             let (r, back) = (reflection_dielectric(cos_i, n1, n2), reflection_dielectric(t.cos_t, n2, n1));
-            prop_assert!((r.s + back.s).norm() < 1e-12 && (r.p + back.p).norm() < 1e-12);
+            // w² = n₁² c² of the way back is a difference of terms n₂²: dr_p ≤ 2 n₂ dw/(n₁² cos θ₂), dw ≈ 4ε n₂²/(n₁ c)
+            let tolerance = 16.0 * f64::EPSILON * ratio.max(1.0).powi(3) / (cos_i * t.cos_t);
+            prop_assert!((r.s + back.s).norm() < tolerance && (r.p + back.p).norm() < tolerance);
         }
     }
 }

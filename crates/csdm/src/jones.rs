@@ -43,6 +43,7 @@ impl JonesMatrix {
 
     /// Ideal polarizer that passes fields along `x`.
     #[must_use]
+    #[doc(alias = "diattenuator_perfect")]
     pub fn linear_polarizer() -> Self {
         Self::diagonal(ONE, ZERO)
     }
@@ -56,6 +57,7 @@ impl JonesMatrix {
     /// assert!((out - stokes::StokesVector::LEFT_CIRCULAR).to_vector().norm() < 1e-15);
     /// ```
     #[must_use]
+    #[doc(alias = "retarder_linear")]
     pub fn linear_retarder(retardance: f64) -> Self {
         Self::diagonal(ONE, Complex64::cis(-retardance))
     }
@@ -76,6 +78,12 @@ impl JonesMatrix {
     #[must_use]
     pub fn to_matrix(self) -> Matrix2<Complex64> {
         self.0
+    }
+
+    /// The same element with all amplitudes times `factor`.
+    #[must_use]
+    pub fn scaled(&self, factor: Complex64) -> Self {
+        Self(self.0 * factor)
     }
 
     /// The element turned by `angle` radians about the ray, counter-clockwise for a receiver who faces the source;
@@ -116,8 +124,14 @@ impl JonesMatrix {
     }
 }
 
+impl From<Matrix2<Complex64>> for JonesMatrix {
+    fn from(matrix: Matrix2<Complex64>) -> Self {
+        Self(matrix)
+    }
+}
+
 /// The identity, then the Pauli matrices in the order of S1, S2, S3.
-fn pauli() -> [Matrix2<Complex64>; 4] {
+pub(crate) fn pauli() -> [Matrix2<Complex64>; 4] {
     [
         Matrix2::new(ONE, ZERO, ZERO, ONE),
         Matrix2::new(ONE, ZERO, ZERO, -ONE),

@@ -4,7 +4,31 @@
 //! the page of [`stokes`]. Jones matrices act on `(E_x, E_y)` in the frame of the ray, and `x` is s at an interface.
 #![forbid(unsafe_code)]
 
+mod coherence;
+mod csdm;
+mod decompose;
+mod elements;
+mod ensemble;
 pub mod fresnel;
 mod jones;
+mod jones_polar;
+mod positivity;
+mod scale;
+mod sixteen;
 
+pub use csdm::CrossSpectralDensity;
+pub use decompose::{
+    CloudeSpectrum, NoPolarDecomposition, NotRealizable, PolarDecomposition, WeightedJones,
+    coherency_matrix,
+};
+pub use elements::ElementError;
+pub use ensemble::{
+    BadWeights, CorrelationLengths, Element, GaussianAperture, LightEstimate, Mixture, MonteCarlo,
+    PatternError, PhaseScreen, RandomStream, RoughRetarder, ScreenError, Sequence, SixteenEstimate,
+    TooFewSamples, Turned, Varying, VoltageResponse, liquid_crystal_modulator,
+    polarization_grating,
+};
 pub use jones::{JonesMatrix, stokes_vector};
+pub use jones_polar::JonesPolar;
+pub use positivity::CoherenceError;
+pub use sixteen::{GeneralizedMueller, NotReal, TransferTensor};
