@@ -18,7 +18,12 @@
 //! Source: Born & Wolf, Principles of Optics, 7th ed., section 1.5.2, Eqs. (20), (21) with the p axis of Verdet;
 //! section 14.2 for complex indices.
 
+mod general;
+
 use num_complex::Complex64;
+
+pub(crate) use general::normal_index_of;
+pub use general::{InterfaceAmplitudes, amplitudes};
 
 /// Amplitudes along the two axes of an interface, dimensionless, in `exp(+iωt)`.
 #[derive(Clone, Copy, Debug, PartialEq)]

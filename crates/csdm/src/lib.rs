@@ -15,6 +15,11 @@ mod jones_polar;
 mod positivity;
 mod scale;
 mod sixteen;
+pub mod birefringent;
+pub mod film;
+pub mod fresnel;
+mod jones;
+mod layered;
 
 pub use csdm::CrossSpectralDensity;
 pub use decompose::{
