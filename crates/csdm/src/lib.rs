@@ -4,23 +4,22 @@
 //! the page of [`stokes`]. Jones matrices act on `(E_x, E_y)` in the frame of the ray, and `x` is s at an interface.
 #![forbid(unsafe_code)]
 
+pub mod birefringent;
 mod coherence;
 mod csdm;
 mod decompose;
 mod elements;
 mod ensemble;
-pub mod fresnel;
-mod jones;
-mod jones_polar;
-mod positivity;
-mod scale;
-mod sixteen;
-pub mod birefringent;
 pub mod film;
 pub mod fresnel;
 mod jones;
+mod jones_polar;
 mod layered;
+mod positivity;
+mod scale;
+mod sixteen;
 
+pub use abcd::{AstigmaticTransfer, RayTransfer, RayTransferError};
 pub use csdm::CrossSpectralDensity;
 pub use decompose::{
     CloudeSpectrum, NoPolarDecomposition, NotRealizable, PolarDecomposition, WeightedJones,
@@ -36,4 +35,5 @@ pub use ensemble::{
 pub use jones::{JonesMatrix, stokes_vector};
 pub use jones_polar::JonesPolar;
 pub use positivity::CoherenceError;
+pub use schell::{SchellBeam, SchellError, SchellSource};
 pub use sixteen::{GeneralizedMueller, NotReal, TransferTensor};
