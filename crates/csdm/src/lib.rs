@@ -4,6 +4,7 @@
 //! the page of [`stokes`]. Jones matrices act on `(E_x, E_y)` in the frame of the ray, and `x` is s at an interface.
 #![forbid(unsafe_code)]
 
+mod abcd;
 pub mod birefringent;
 mod coherence;
 mod csdm;
@@ -17,6 +18,7 @@ mod jones_polar;
 mod layered;
 mod positivity;
 mod scale;
+mod schell;
 mod sixteen;
 
 pub use abcd::{AstigmaticTransfer, RayTransfer, RayTransferError};
