@@ -32,8 +32,12 @@ CHECKS = {
     "colour_path": [str(PYTHON), "validation/colour_path.py"],
     "fresnel_sphere": [str(PYTHON), "validation/fresnel_sphere.py"],
     "plates": [str(PYTHON), "validation/plates.py"],
+    "light": [str(PYTHON), "validation/light.py", "--self-test"],
+    "stability": [str(PYTHON), "validation/stability.py", "--self-test"],
     "references": [str(PYTHON), "validation/references.py"],
 }
+# those with more to do when there is time
+WITH_FULL = {"stability", "references"}
 
 
 def give_up(reason: str) -> NoReturn:
@@ -69,7 +73,9 @@ def main() -> int:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("checks", nargs="*", metavar="CHECK", help=f"of {', '.join(CHECKS)}")
-    parser.add_argument("--full", action="store_true", help="references at full size")
+    parser.add_argument(
+        "--full", action="store_true", help="references at full size, denser sweeps"
+    )
     args = parser.parse_args()
     if unknown := set(args.checks) - set(CHECKS):
         parser.error(f"unknown check {', '.join(sorted(unknown))}, expected {', '.join(CHECKS)}")
@@ -80,7 +86,7 @@ def main() -> int:
     for name in args.checks or CHECKS:
         print(f"=== {name}", flush=True)
         start = time.monotonic()
-        full = ["--full"] if args.full and name == "references" else []
+        full = ["--full"] if args.full and name in WITH_FULL else []
         status = subprocess.run([*CHECKS[name], *full], cwd=ROOT, env=environment).returncode
         rows.append((name, time.monotonic() - start, status))
     print("\nvalidation\n")
