@@ -32,6 +32,7 @@ CHECKS = {
     "colour_path": [str(PYTHON), "validation/colour_path.py"],
     "fresnel_sphere": [str(PYTHON), "validation/fresnel_sphere.py"],
     "plates": [str(PYTHON), "validation/plates.py"],
+    "fields": [str(PYTHON), "validation/fields.py", "--self-test"],
     "light": [str(PYTHON), "validation/light.py", "--self-test"],
     "stability": [str(PYTHON), "validation/stability.py", "--self-test"],
     "references": [str(PYTHON), "validation/references.py"],
@@ -80,8 +81,12 @@ def main() -> int:
     if unknown := set(args.checks) - set(CHECKS):
         parser.error(f"unknown check {', '.join(sorted(unknown))}, expected {', '.join(CHECKS)}")
     prepare()
-    # colour-science warns that it could draw if it had a plotting library
-    environment = {**os.environ, "PYTHONWARNINGS": 'ignore:"Matplotlib" related'}
+    # colour-science warns that it could draw if it had a plotting library; py_pol brings one
+    environment = {
+        **os.environ,
+        "PYTHONWARNINGS": 'ignore:"Matplotlib" related',
+        "MPLBACKEND": "agg",
+    }
     rows = []
     for name in args.checks or CHECKS:
         print(f"=== {name}", flush=True)

@@ -100,6 +100,22 @@ impl<'a> Entry<'a> {
             .map_err(|_| self.refuse(format!("found {found} values, expected {N}")))
     }
 
+    /// The values of a list of a known length, each as `read` takes it.
+    ///
+    /// # Errors
+    ///
+    /// When this value is no list, has another length, or an entry is refused.
+    pub fn array_of<T: Copy + Default, const N: usize>(
+        &self,
+        read: impl Fn(&Self) -> Result<T, CaseError>,
+    ) -> Result<[T; N], CaseError> {
+        let mut values = [T::default(); N];
+        for (value, entry) in values.iter_mut().zip(self.array::<N>()?) {
+            *value = read(&entry)?;
+        }
+        Ok(values)
+    }
+
     /// A word.
     ///
     /// # Errors
@@ -202,20 +218,25 @@ impl<'a> Entry<'a> {
     #[must_use]
     pub fn refuse(&self, problem: impl fmt::Display) -> CaseError {
         CaseError::Domain {
-            key: self.place.clone(),
+            key: self.name(),
             problem: problem.to_string(),
         }
     }
 
     fn unlike(&self, expected: &str) -> CaseError {
         CaseError::Kind {
-            key: if self.place.is_empty() {
-                "inputs".to_owned()
-            } else {
-                self.place.clone()
-            },
+            key: self.name(),
             found: shown(self.value),
             expected: expected.to_owned(),
+        }
+    }
+
+    /// What messages call this value.
+    fn name(&self) -> String {
+        if self.place.is_empty() {
+            "inputs".to_owned()
+        } else {
+            self.place.clone()
         }
     }
 }

@@ -1,7 +1,10 @@
 //! Formulas of the theorem crates by name, for numbers that come from elsewhere: the table behind `brewster eval`.
 
+mod elements;
 pub mod entry;
+mod fields;
 mod functions;
+mod layers;
 mod light;
 pub mod result;
 pub mod schema;
@@ -109,6 +112,52 @@ pub const OPS: &[Op] = &[
         "stokes",
         "I, DoP, DoLP, DoCP, AoLP, chi, semi_major, semi_minor, eig",
         light::observables,
+    ),
+    Op::new("jones", "T1 [, T2]", "M", fields::jones),
+    Op::new(
+        "phase_screen",
+        "sx, sy, cxy, lxx, lyy, lxy, d",
+        "M",
+        fields::phase_screen,
+    ),
+    Op::new(
+        "fresnel",
+        "n1, n2, cos_i",
+        "r_s, r_p, t_s, t_p, M_reflect",
+        layers::fresnel,
+    ),
+    Op::new(
+        "egsm",
+        "lambda, sigma, dxx, dyy, dxy, Ax, Ay, Bxy, z, rho",
+        "stokes, spectral_density, DoP, coherence_widths",
+        fields::egsm,
+    ),
+    Op::new("coherency", "M", "H, eigenvalues", fields::coherency),
+    Op::new(
+        "multilayer",
+        "n_incident, layers, n_exit, cos_i, lambda",
+        "r_s, r_p, t_s, t_p, R, T, M_reflect, M_transmit",
+        layers::multilayer,
+    ),
+    Op::new(
+        "plate",
+        "n_incident, layers, n_exit, cos_i, lambda [, azimuth, side, method, coherent_below]",
+        "r, t, R, T, M_reflect, M_transmit",
+        layers::plate,
+    ),
+    Op::new(
+        "decompose",
+        "M [, tolerance]",
+        "eigenvalues, depolarization_index, entropy, weights, jones, transmittance, diattenuator, retarder, \
+         depolarizer, diattenuation, polarizance, retardance, depolarization_power, nearest_realizable, \
+         nearest_of_same_transmittance",
+        fields::decompose,
+    ),
+    Op::new(
+        "jones_element",
+        "element, … [, rotated]",
+        "T, M, singular_values, diattenuation, retardance",
+        elements::jones_element,
     ),
 ];
 

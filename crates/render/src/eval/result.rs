@@ -1,6 +1,6 @@
 //! The results of `brewster eval`: numbers by name, written with 17 significant digits or refused.
 
-use nalgebra::{DMatrix, Matrix2};
+use nalgebra::{DMatrix, SMatrix};
 use num_complex::Complex64;
 use serde_json::{Map, Value, json};
 
@@ -93,9 +93,10 @@ impl<T: Into<Item>> From<Vec<T>> for Item {
     }
 }
 
-impl From<Matrix2<f64>> for Item {
-    fn from(m: Matrix2<f64>) -> Self {
-        vec![vec![m.m11, m.m12], vec![m.m21, m.m22]].into()
+impl<T: Into<Item> + Copy, const R: usize, const C: usize> From<SMatrix<T, R, C>> for Item {
+    fn from(m: SMatrix<T, R, C>) -> Self {
+        let row = |r| (0..C).map(|c| m[(r, c)]).collect::<Vec<_>>();
+        (0..R).map(row).collect::<Vec<_>>().into()
     }
 }
 
@@ -145,6 +146,7 @@ mod tests {
 
     #[test]
     fn matrices_are_written_by_rows() {
+        use nalgebra::Matrix2;
         let [a, b, c, d] = [1.0, 2.0, 3.0, 4.0].map(decimal);
         let expected = json!([[a, b], [c, d]]);
         assert_eq!(
