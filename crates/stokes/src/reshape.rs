@@ -87,8 +87,8 @@ impl Change {
 
 /// `⟨φ_ab(·; W₁)|φ_nm(·; W₂)⟩`, dimensionless, in `-1.0..=1.0`; `first` is (a, b), `second` is (n, m).
 ///
-/// Error below the sum of the four orders times `f64::EPSILON`, for orders up to 256 and any condition numbers of the
-/// two shapes.
+/// Error of a few `f64::EPSILON` at low orders, growing no faster than the sum of the orders, for orders up to 256 and
+/// any condition numbers of the two shapes (`validation/stability.py` measures it).
 ///
 /// Source: from the generating function (S1.2) in whitened coordinates.
 ///
