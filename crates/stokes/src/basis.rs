@@ -13,7 +13,7 @@ use nalgebra::Vector2;
 use crate::hermite::{self, MAX_ORDER, Real};
 use crate::shape::ShapeMatrix;
 
-/// Number of modes with a + b ≤ `order`.
+/// Number of modes with a + b ≤ `order`, `(order + 1)(order + 2)/2`.
 #[inline]
 #[must_use]
 pub const fn mode_count(order: usize) -> usize {
@@ -34,6 +34,11 @@ pub const fn mode_index(a: usize, b: usize) -> usize {
 }
 
 /// The pairs (a, b) with a + b ≤ `order`, in order.
+///
+/// ```
+/// let pairs: Vec<_> = stokes::modes(2).collect();
+/// assert_eq!(pairs, [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)]);
+/// ```
 pub fn modes(order: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..=order).flat_map(|n| (0..=n).map(move |b| (n - b, b)))
 }

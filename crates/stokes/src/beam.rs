@@ -200,6 +200,25 @@ impl GeneralizedStokes {
 
     /// The same light further along its ray, or back: nothing but the distance changes.
     ///
+    /// ```
+    /// use nalgebra::{Matrix2, Vector2, Vector3};
+    /// use stokes::*;
+    /// # let near = GeneralizedStokes::new(
+    /// #     Components::Shared { modes: HermiteSeries::fundamental(1.0), stokes: StokesVector::UNPOLARIZED },
+    /// #     ShapeMatrix::from_root(&Matrix2::from_diagonal_element(1e-3))?,
+    /// #     Frame::with_x_along(Vector3::z(), Vector3::x())?,
+    /// #     Wavelength::from_metres(550e-9)?,
+    /// #     1.0,
+    /// # )?;
+    /// // three times as far: a ninth of the intensity, coherent over three times the separation
+    /// let far = near.clone().propagated_to(3.0 * near.distance())?;
+    /// assert!((far.intensity() / near.intensity() - 1.0 / 9.0).abs() < 1e-15);
+    /// let xi = Vector2::new(60e-6, -20e-6);
+    /// let difference = far.degree_of_coherence(&(xi * 3.0)) - near.degree_of_coherence(&xi);
+    /// assert!(difference.norm() < 1e-14);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// When `distance` is not in the far field.

@@ -219,6 +219,14 @@ impl HermiteSeries {
     }
 
     /// The series without the orders above `order`, and the L² norm of what was cut off.
+    ///
+    /// ```
+    /// use stokes::HermiteSeries;
+    /// let series = HermiteSeries::from_real_coefficients(&[2.0, 0.3, 0.4])?;
+    /// let (kept, lost) = series.truncated(0);
+    /// assert_eq!((kept.order(), lost), (0, 0.5));
+    /// # Ok::<(), stokes::SeriesError>(())
+    /// ```
     #[must_use]
     pub fn truncated(&self, order: usize) -> (Self, f64) {
         if order >= self.order {
