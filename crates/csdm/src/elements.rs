@@ -42,6 +42,8 @@ pub enum ElementError {
 impl JonesMatrix {
     /// Partial polarizer: real amplitude transmittances along the axes `x` and `y`, each in `0.0..=1.0`.
     ///
+    /// Source: Jones 1941, A new calculus for the treatment of optical systems I, J. Opt. Soc. Am. 31, 488.
+    ///
     /// # Errors
     ///
     /// When a transmittance is out of range.
@@ -63,6 +65,8 @@ impl JonesMatrix {
     }
 
     /// Quarter-wave plate with its fast axis along `x`: `diag(1, −i)`.
+    ///
+    /// Source: Jones 1941, A new calculus for the treatment of optical systems I, J. Opt. Soc. Am. 31, 488.
     #[must_use]
     #[doc(alias = "quarter_waveplate")]
     pub fn quarter_wave_plate() -> Self {
@@ -70,6 +74,8 @@ impl JonesMatrix {
     }
 
     /// Half-wave plate with its fast axis along `x`: `diag(1, −1)`.
+    ///
+    /// Source: Jones 1941, A new calculus for the treatment of optical systems I, J. Opt. Soc. Am. 31, 488.
     #[must_use]
     #[doc(alias = "half_waveplate")]
     pub fn half_wave_plate() -> Self {
@@ -79,6 +85,8 @@ impl JonesMatrix {
     /// Circular retarder whose fast eigenpolarization is right circular light; `retardance` δ in radians.
     ///
     /// Turns the plane of linear light by `−δ/2`, that is, clockwise for the receiver when δ > 0.
+    ///
+    /// Source: Chipman, Lam & Young, Polarized Light and Optical Systems (2018), chapter 5.
     ///
     /// ```
     /// use std::f64::consts::FRAC_PI_2;
@@ -104,6 +112,8 @@ impl JonesMatrix {
     ///
     /// Every normal Jones matrix is one of these: polarizers, retarders, and both at once.
     ///
+    /// Source: Chipman, Lam & Young, Polarized Light and Optical Systems (2018), chapter 5.
+    ///
     /// ```
     /// use std::f64::consts::FRAC_PI_4;
     /// let element = csdm::JonesMatrix::homogeneous(0.0, FRAC_PI_4, 1.0.into(), 0.0.into());
@@ -127,6 +137,8 @@ impl JonesMatrix {
     }
 
     /// Ideal polarizer that passes light of the given ellipse; angles as in [`JonesMatrix::homogeneous`], in radians.
+    ///
+    /// Source: Chipman, Lam & Young, Polarized Light and Optical Systems (2018), chapter 5.
     #[must_use]
     #[doc(alias = "diattenuator_azimuth_ellipticity")]
     pub fn elliptical_polarizer(azimuth: f64, ellipticity: f64) -> Self {
@@ -137,6 +149,8 @@ impl JonesMatrix {
     /// one; all three in radians, angles as in [`JonesMatrix::homogeneous`].
     ///
     /// Its Mueller matrix turns the Poincaré sphere by `−retardance` about the fast eigenpolarization.
+    ///
+    /// Source: Chipman, Lam & Young, Polarized Light and Optical Systems (2018), chapter 5.
     #[must_use]
     #[doc(alias = "retarder_azimuth_ellipticity")]
     pub fn elliptical_retarder(azimuth: f64, ellipticity: f64, retardance: f64) -> Self {
@@ -147,6 +161,8 @@ impl JonesMatrix {
     /// `second_field` by `second`. The fields' lengths and phases do not matter.
     ///
     /// Relative error of a few `f64::EPSILON` over the sine of the angle between the fields.
+    ///
+    /// Source: Lu & Chipman 1994, Homogeneous and inhomogeneous Jones matrices, J. Opt. Soc. Am. A 11, 766.
     ///
     /// # Errors
     ///

@@ -35,6 +35,8 @@ impl JonesMatrix {
     }
 
     /// Optically active matter: turns the field by `angle` radians, counter-clockwise for the receiver.
+    ///
+    /// Source: Jones 1941, A new calculus for the treatment of optical systems I, J. Opt. Soc. Am. 31, 488.
     #[must_use]
     pub fn rotator(angle: f64) -> Self {
         let (sin, cos) = angle.sin_cos();
@@ -42,6 +44,8 @@ impl JonesMatrix {
     }
 
     /// Ideal polarizer that passes fields along `x`.
+    ///
+    /// Source: Jones 1941, A new calculus for the treatment of optical systems I, J. Opt. Soc. Am. 31, 488.
     #[must_use]
     #[doc(alias = "diattenuator_perfect")]
     pub fn linear_polarizer() -> Self {
@@ -49,6 +53,8 @@ impl JonesMatrix {
     }
 
     /// Linear retarder with its fast axis along `x`: `diag(1, e^{−iδ})`, `retardance` δ in radians.
+    ///
+    /// Source: Jones 1941, A new calculus for the treatment of optical systems I, J. Opt. Soc. Am. 31, 488.
     ///
     /// A quarter-wave plate turns +45° light into left circular light:
     /// ```
@@ -63,12 +69,16 @@ impl JonesMatrix {
     }
 
     /// Ideal polarizer that passes right circular light (`S3 > 0`), the field `(1, i)/√2`.
+    ///
+    /// Source: Chipman, Lam & Young, Polarized Light and Optical Systems (2018), chapter 5.
     #[must_use]
     pub fn right_circular_polarizer() -> Self {
         Self(Matrix2::new(ONE, -I, I, ONE) * Complex64::from(0.5))
     }
 
     /// Ideal polarizer that passes left circular light (`S3 < 0`), the field `(1, −i)/√2`.
+    ///
+    /// Source: Chipman, Lam & Young, Polarized Light and Optical Systems (2018), chapter 5.
     #[must_use]
     pub fn left_circular_polarizer() -> Self {
         Self(Matrix2::new(ONE, I, -I, ONE) * Complex64::from(0.5))
@@ -96,6 +106,8 @@ impl JonesMatrix {
     /// The matrix for light that retraces the path through reciprocal matter, `Z Jᵀ Z` with `Z = diag(1, −1)`.
     ///
     /// Frames: `(x, y, z)` forward become `(x, −y, −z)` backward on each side.
+    ///
+    /// Source: Sekera 1966, Scattering matrices and reciprocity relationships, J. Opt. Soc. Am. 56, 1732.
     #[must_use]
     pub fn reversed(&self) -> Self {
         let m = &self.0;

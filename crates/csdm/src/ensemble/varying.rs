@@ -124,6 +124,8 @@ impl Element for GaussianAperture {
 /// With a half-wave retardance all right circular light (`S3 > 0`) leaves as left circular light, deflected to
 /// `k_x = −2π/period`, and all left circular light the other way; with less, `cos²(δ/2)` goes on straight.
 ///
+/// Source: Oh & Escuti 2008, Achromatic diffraction from polarization gratings, Opt. Lett. 33, 2287.
+///
 /// # Errors
 ///
 /// When the period is not positive.

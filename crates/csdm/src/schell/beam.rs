@@ -23,6 +23,7 @@ use super::{SchellError, one_point};
 use crate::abcd::AstigmaticTransfer;
 use crate::csdm::CrossSpectralDensity;
 use crate::ensemble::{CorrelationLengths, PhaseScreen};
+use crate::scale::power_of_two;
 
 /// One Gaussian element of the cross-spectral density matrix.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,7 +56,7 @@ impl Element {
             twisted * ell * twisted.transpose() + b * inverse(&sigma) * b.transpose() / (k * k);
         let joint = positions * sigma * slopes.transpose() * k + b * diverging * d.transpose();
         Self {
-            amplitude: self.amplitude * (sigma.determinant() / spread.determinant()).sqrt(),
+            amplitude: self.amplitude * (root_determinant(&sigma) / root_determinant(&spread)),
             spread,
             coherence,
             curvature: inverse(&spread) * joint,
@@ -70,9 +71,17 @@ impl Element {
     }
 }
 
-/// Inverse of a positive definite matrix.
+/// Inverse of a positive definite matrix, without overflow of its determinant.
 fn inverse(m: &Matrix2<f64>) -> Matrix2<f64> {
-    Matrix2::new(m.m22, -m.m12, -m.m21, m.m11) / m.determinant()
+    let scale = power_of_two(m.amax());
+    let near_one = m / scale;
+    Matrix2::new(m.m22, -m.m12, -m.m21, m.m11) / scale / near_one.determinant() / scale
+}
+
+/// Root of the determinant of a positive definite matrix, without overflow of the determinant.
+fn root_determinant(m: &Matrix2<f64>) -> f64 {
+    let scale = power_of_two(m.amax());
+    (m / scale).determinant().sqrt() * scale
 }
 
 /// An electromagnetic Gaussian Schell-model beam in one transverse plane.

@@ -183,3 +183,18 @@ fn the_coherence_of_the_light_is_that_of_the_beam() {
         assert!(error < 4e-3, "{error}");
     }
 }
+
+#[test]
+fn light_from_any_distance_is_that_of_the_far_field() {
+    // [S0, S1, S2, S3]/S0 has a limit; S0 falls as z⁻²
+    let widths = [1e-4, 1.2e-4, 1.3e-4];
+    let source = source([1.0, 0.8], Complex64::new(0.1, 0.2), 1e-3, widths);
+    let at = |z: f64| source.stokes(&Vector2::zeros(), z).unwrap();
+    let far = at(1e10);
+    for z in [1e30, 1e100, 1e140] {
+        let light = at(z);
+        let ratio = light * (1.0 / light.s0()) - far * (1.0 / far.s0());
+        assert!(ratio.to_vector().norm() < 1e-14);
+        assert!((light.s0() * (z / 1e10).powi(2) / far.s0() - 1.0).abs() < 1e-13);
+    }
+}
