@@ -25,7 +25,7 @@ import fields_layers
 import fields_matter
 from common import Report, arguments
 from evaluate import Program
-from fields_shared import FALSIFIED
+from fields_shared import FALSIFIED, same_numbers_again
 
 CHECKS = [
     fields_layers.interfaces_by_colour,
@@ -45,6 +45,7 @@ CHECKS = [
 def compare(program: Program) -> Report:
     """Run every check."""
     report = Report("Fields (largest difference in units of its bound; in brackets as it is)")
+    same_numbers_again()
     for check in CHECKS:
         for row in check(program):
             what = f"{row.what}, {row.cases} cases [{row.largest:.1e}]"

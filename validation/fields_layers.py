@@ -6,9 +6,8 @@ import numpy as np
 import tmm
 from colour import phenomena
 from evaluate import Case, Program
-from fields_shared import EPS, ROUNDINGS, Numbers, Rows, row, with_bound
+from fields_shared import EPS, RANDOM, ROUNDINGS, Numbers, Rows, row, with_bound
 
-RANDOM = np.random.default_rng(1996)
 # relative to ε: π/180 and nm of the programs that want degrees and nm
 UNITS = 4.0
 

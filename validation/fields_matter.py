@@ -4,11 +4,10 @@ from typing import Any
 
 import numpy as np
 from evaluate import Case, Program
-from fields_shared import EPS, ROUNDINGS, Numbers, Rows, row
+from fields_shared import EPS, RANDOM, ROUNDINGS, Numbers, Rows, row
 from py_pol.jones_matrix import Jones_matrix
 from py_pol.mueller import Mueller
 
-RANDOM = np.random.default_rng(1941)
 CASES = 200
 # a few functions of angles on both sides
 ELEMENT = ROUNDINGS * EPS
@@ -132,7 +131,6 @@ def mueller_of(jones: Numbers) -> Numbers:
 
 def decompositions(program: Program) -> Rows:
     """Lu-Chipman factors and Cloude eigenvalues of mixtures of five Jones matrices."""
-    # all five nearly singular at a time would be a polarizer, which py_pol takes for one
     mixtures = sum(
         RANDOM.uniform(0, 1) * mueller_of(RANDOM.permutation(random_jones())) for _ in range(5)
     )
@@ -150,15 +148,16 @@ def decompositions(program: Program) -> Rows:
     purity = np.sqrt(1 - matter.parameters.depolarization_index() ** 2)
     found = [result["depolarization_index"] for result in results]
     yield row("depolarization index (py_pol)", found, purity, 2 * ELEMENT / purity)
-    # the retarder of three positive factors is unique, and so are they
-    regular = np.array([np.linalg.det(result["depolarizer"]) > 0 for result in results])
+    # three positive factors make the retarder unique; py_pol takes those below 1e-6 for zero
+    blocks = [np.array(result["depolarizer"])[1:, 1:] for result in results]
+    regular = np.array([np.linalg.eigvalsh(block)[0] > 1e-4 for block in blocks])
     matter.from_matrix(first_axis_last(mixtures))
     factors = [cases_first(f.M)[regular] for f in matter.analysis.decompose_polar("PRD")]
     kept = [result for result, good in zip(results, regular, strict=True) if good]
     m00 = mixtures[regular, 0, 0][:, None, None]
     d = np.linalg.norm(mixtures[regular, 0, 1:], axis=1)[:, None, None] / m00
-    least = np.linalg.svd([result["depolarizer"] for result in kept])[1][:, -1:, None]
-    bound = ELEMENT / (1 - d**2) / least
+    least = np.linalg.eigvalsh([b for b, good in zip(blocks, regular, strict=True) if good])
+    bound = ELEMENT / (1 - d**2) / least[:, :1, None]
     scales = {"retarder": 1.0, "diattenuator": m00, "depolarizer": 1.0}
     for (key, scale), expected in zip(scales.items(), factors, strict=True):
         found = scale * np.array([result[key] for result in kept])
