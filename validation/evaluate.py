@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from common import binary, give_up
+from common import Report, arguments, binary, give_up
 
 Case = tuple[str, dict[str, Any]]
 # None where the program refused a case
@@ -117,3 +117,27 @@ class Program:
     def values(self, cases: list[Case], key: str = "value") -> np.ndarray:
         """Return the one number of each result."""
         return np.array([result[key] for result in self(cases)])
+
+
+def check(
+    documentation: str | None, compare: Callable[[Program], Report], falsified: list[Tamper]
+) -> int:
+    """Run `compare`, and with `--self-test` again on answers falsified in turn.
+
+    Each falsification must be noticed.  Returns the exit status.
+    """
+    parser = arguments(documentation)
+    parser.add_argument("--self-test", action="store_true", help="also see that errors are noticed")
+    args = parser.parse_args()
+    program = Program()
+    status = compare(program).finish()
+    print(f"{sum(map(len, program.known))} cases evaluated")
+    if not args.self_test:
+        return status
+    print("\nself-test: rows that differ when the program's answers are falsified\n")
+    for tamper in falsified:
+        program.rewind(tamper)
+        bad = sum(not good for *_, good in compare(program).rows)
+        status = max(status, int(bad == 0))
+        print(f"{tamper.__name__.replace('_', ' '):24} {bad:4}  {'ok' if bad else 'NOT NOTICED'}")
+    return status

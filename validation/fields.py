@@ -23,8 +23,8 @@ import sys
 
 import fields_layers
 import fields_matter
-from common import Report, arguments
-from evaluate import Program
+from common import Report
+from evaluate import Program, check
 from fields_shared import FALSIFIED, same_numbers_again
 
 CHECKS = [
@@ -46,35 +46,12 @@ def compare(program: Program) -> Report:
     """Run every check."""
     report = Report("Fields (largest difference in units of its bound; in brackets as it is)")
     same_numbers_again()
-    for check in CHECKS:
-        for row in check(program):
+    for chapter in CHECKS:
+        for row in chapter(program):
             what = f"{row.what}, {row.cases} cases [{row.largest:.1e}]"
             report.within(what, row.share, 1.0)
     return report
 
 
-def self_test(program: Program) -> int:
-    """Falsify the program's answers in turn; each must be noticed."""
-    unnoticed = 0
-    print("\nself-test: rows that differ when the program's answers are falsified\n")
-    for tamper in FALSIFIED:
-        program.rewind(tamper)
-        bad = sum(not good for *_, good in compare(program).rows)
-        unnoticed += bad == 0
-        print(f"{tamper.__name__.replace('_', ' '):24} {bad:4}  {'ok' if bad else 'NOT NOTICED'}")
-    return int(unnoticed > 0)
-
-
-def main() -> int:
-    """Run every check, and with `--self-test` the checks of the checks."""
-    parser = arguments(__doc__)
-    parser.add_argument("--self-test", action="store_true", help="also see that errors are noticed")
-    args = parser.parse_args()
-    program = Program()
-    status = compare(program).finish()
-    print(f"{sum(map(len, program.known))} cases evaluated")
-    return max(status, self_test(program)) if args.self_test else status
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(check(__doc__, compare, FALSIFIED))

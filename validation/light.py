@@ -14,8 +14,8 @@ import light_functions
 import light_sources
 import light_space
 import numpy as np
-from common import Report, arguments
-from evaluate import Case, Program
+from common import Report
+from evaluate import Case, Program, check
 
 CHECKS = [
     light_functions.orthonormal_on_the_line,
@@ -101,34 +101,11 @@ FALSIFIED = [odd_flipped, two_pi_off, conjugated, transposed, turned_left, round
 def compare(program: Program) -> Report:
     """Run every check."""
     report = Report("Hermite-Gauss light (largest error, relative to what its quadrature adds up)")
-    for check in CHECKS:
-        for what, error, bound in check(program):
+    for chapter in CHECKS:
+        for what, error, bound in chapter(program):
             report.within(what, float(error), float(bound))
     return report
 
 
-def self_test(program: Program) -> int:
-    """Falsify the program's answers in turn; each must be noticed."""
-    unnoticed = 0
-    print("\nself-test: rows that differ when the program's answers are falsified\n")
-    for tamper in FALSIFIED:
-        program.rewind(tamper)
-        bad = sum(not good for *_, good in compare(program).rows)
-        unnoticed += bad == 0
-        print(f"{tamper.__name__.replace('_', ' '):24} {bad:4}  {'ok' if bad else 'NOT NOTICED'}")
-    return int(unnoticed > 0)
-
-
-def main() -> int:
-    """Run every check, and with `--self-test` the checks of the checks."""
-    parser = arguments(__doc__)
-    parser.add_argument("--self-test", action="store_true", help="also see that errors are noticed")
-    args = parser.parse_args()
-    program = Program()
-    status = compare(program).finish()
-    print(f"{sum(map(len, program.known))} cases evaluated")
-    return max(status, self_test(program)) if args.self_test else status
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(check(__doc__, compare, FALSIFIED))
