@@ -85,11 +85,12 @@
 //!
 //! # Where the paper's formulas are corrected
 //!
-//! The paper's section S1 and S2 are written for three dimensions; light is transverse, so everything here is the
+//! The paper's sections S1 and S2 are written for three dimensions; light is transverse, so everything here is the
 //! two-dimensional form: norm `(π²|Θ|)^(1/4)` in (S1.2), (S1.3) and (S2.10), Fourier factor `2π` in (S2.8), Jacobian
-//! `(r/k)²` in (S2.6). Where a printed formula is wrong,
-//! `tests/errata` of this crate shows it failing and the one used here holding: (S1.5), the remark after (S1.6), (S1.7) (compositions,
-//! not partitions), (S2.12), (S2.13) and Theorem S4.1 (ii) (sign), (S2.17), property (1) of the Wigner function, (S3.4), (S3.5), the cone after (S4.6), (S4.9), (S4.10), (S4.11).
+//! `(r/k)²` in (S2.6). Where a printed formula is wrong, `tests/errata` of this crate shows it failing and the one used
+//! here holding: (S1.5), the remark after (S1.6), (S1.7) (compositions, not partitions), (S2.12), (S2.13) and
+//! Theorem S4.1 (ii) (sign), (S2.17), property (1) of the Wigner function, (S3.4), (S3.5), the cone after (S4.6), (S4.9),
+//! (S4.10), (S4.11).
 //!
 //! # Cost and error
 //!
