@@ -247,7 +247,7 @@ impl GeneralizedStokes {
         );
         let length = cos.hypot(sin);
         let rotation = self.frame.rotation_to(&frame);
-        let turned = self.through(&Mueller::rotation(rotation), frame);
+        let turned = self.through(&Mueller::rotation(rotation), frame)?;
         Ok(Self {
             shape: self.shape.in_turned_axes(cos / length, sin / length),
             ..turned
@@ -259,8 +259,11 @@ impl GeneralizedStokes {
     ///
     /// Separations are across the ray, along the axes of `frame` from now on. Absent components stay absent unless the
     /// matrix feeds them.
-    #[must_use]
-    pub fn through(&self, element: &Mueller, frame: Frame) -> Self {
+    ///
+    /// # Errors
+    ///
+    /// When an element of the matrix, or a product, is not finite.
+    pub fn through(&self, element: &Mueller, frame: Frame) -> Result<Self, LightError> {
         let components = match &self.components {
             Components::Shared { modes, stokes } => Components::Shared {
                 modes: modes.clone(),
@@ -279,16 +282,21 @@ impl GeneralizedStokes {
                 })
             })),
         };
-        Self {
+        Self::new(
             components,
+            self.shape,
             frame,
-            ..self.clone()
-        }
+            self.wavelength,
+            self.distance,
+        )
     }
 
-    /// All four components times `factor`, a finite number.
-    #[must_use]
-    pub fn scaled(&self, factor: f64) -> Self {
+    /// All four components times `factor`.
+    ///
+    /// # Errors
+    ///
+    /// When `factor`, or a product, is not finite.
+    pub fn scaled(&self, factor: f64) -> Result<Self, LightError> {
         let components = match &self.components {
             Components::Shared { modes, stokes } => Components::Shared {
                 modes: modes.clone(),
@@ -300,10 +308,13 @@ impl GeneralizedStokes {
                     .map(|series| series.as_ref().map(|series| series.scaled(factor))),
             ),
         };
-        Self {
+        Self::new(
             components,
-            ..self.clone()
-        }
+            self.shape,
+            self.frame,
+            self.wavelength,
+            self.distance,
+        )
     }
 
     /// The incoherent superposition of two lights on the same ray.
@@ -312,7 +323,7 @@ impl GeneralizedStokes {
     ///
     /// # Errors
     ///
-    /// When they differ in shape, wavelength, distance or frame.
+    /// When they differ in shape, wavelength, distance or frame, or a sum is not finite.
     pub fn plus(&self, other: &Self) -> Result<Self, LightError> {
         let same = [
             ("wavelength", self.wavelength == other.wavelength),
@@ -341,10 +352,13 @@ impl GeneralizedStokes {
                 }
             })),
         };
-        Ok(Self {
+        Self::new(
             components,
-            ..self.clone()
-        })
+            self.shape,
+            self.frame,
+            self.wavelength,
+            self.distance,
+        )
     }
 
     /// The light without its modes above `order`, and what that took from it.
@@ -372,7 +386,9 @@ impl GeneralizedStokes {
         let changed = Self {
             components,
             shape,
-            ..self.clone()
+            frame: self.frame,
+            wavelength: self.wavelength,
+            distance: self.distance,
         };
         let loss = Loss {
             norm: if lost > 0.0 { lost / whole } else { 0.0 },

@@ -224,7 +224,7 @@ mod tests {
                 &light,
                 &turned,
                 &light.plus(&light).unwrap(),
-                &light.scaled(2.0),
+                &light.scaled(2.0).unwrap(),
                 &light.truncated(0).0,
                 &light.clone().propagated_to(5.0).unwrap(),
             ] {

@@ -117,6 +117,25 @@ fn coefficients_are_numbers() {
 }
 
 #[test]
+fn what_is_made_of_light_is_made_of_numbers() {
+    let bright = shared(&[1.0, 0.3, 0.0], [f64::MAX, 0.0, 0.0, 0.0]);
+    let broken = Mueller::from_rows([[f64::NAN; 4]; 4]);
+    for components in [bright, lopsided().components().clone()] {
+        let one = light(components);
+        for factor in [f64::NAN, f64::INFINITY] {
+            assert!(one.scaled(factor).is_err(), "{factor}");
+        }
+        assert!(one.through(&broken, along_z()).is_err());
+    }
+    let one = light(shared(&[1.0], [f64::MAX, 0.0, 0.0, 0.0]));
+    let error = one.plus(&one).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "light: amplitude S0 is inf, expected a finite number"
+    );
+}
+
+#[test]
 fn only_lights_of_one_ray_are_added() {
     let light = lopsided();
     let others = [
@@ -201,7 +220,7 @@ fn an_element_feeds_absent_components_only_where_its_matrix_does() {
         [0.0; 4],
         [0.0; 4],
     ]);
-    let polarized = unpolarized.through(&polarizer, along_z());
+    let polarized = unpolarized.through(&polarizer, along_z()).unwrap();
     let half = Some(modes.scaled(0.5));
     let expected = Components::Separate([half.clone(), half, None, None]);
     assert_eq!(*polarized.components(), expected);

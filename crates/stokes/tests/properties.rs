@@ -298,13 +298,13 @@ proptest! {
             [m[0], m[1], m[2], m[3]], [m[4], m[5], m[6], m[7]],
             [m[8], m[9], m[10], m[11]], [m[12], m[13], m[14], m[15]],
         ]);
-        let other = light.through(&element, *light.frame());
+        let other = light.through(&element, *light.frame()).unwrap();
         let (here, through) = (light.at_separation(&case.separation), other.at_separation(&case.separation));
         // every operation rounds each coefficient once, of moduli that add up to 16 norms
         let tolerance = 64.0 * EPS * (1 + case.order) as f64 * case.scale();
         let expected = std::array::from_fn(|l| (0..4).map(|j| here[j] * element.element(l, j)).sum());
         close(through, expected, tolerance)?;
-        let sum = light.plus(&other.scaled(factor)).unwrap();
+        let sum = light.plus(&other.scaled(factor).unwrap()).unwrap();
         let expected = std::array::from_fn(|j| here[j] + through[j] * factor);
         close(sum.at_separation(&case.separation), expected, 4.0 * tolerance)?;
     }
