@@ -124,6 +124,7 @@ impl CrossSpectralDensity {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_ensembles::{average, fields};
     use nalgebra::{Matrix2, Vector2};
     use proptest::prelude::*;
     use stokes::FrameRotation;
@@ -188,24 +189,6 @@ mod tests {
         let gamma = coherent.spectral_degree_of_coherence(4.0, 4.0).unwrap();
         assert!((gamma - 0.5 * Complex64::cis(-0.7)).norm() < 1e-15);
         assert!(coherent.spectral_degree_of_coherence(0.0, 1.0).is_err());
-    }
-
-    fn complex() -> impl Strategy<Value = Complex64> {
-        (-1.0..1.0f64, -1.0..1.0f64).prop_map(|(re, im)| Complex64::new(re, im))
-    }
-
-    /// An ensemble of three fields at two points.
-    fn fields() -> impl Strategy<Value = Vec<[Vector2<Complex64>; 2]>> {
-        let pair = prop::array::uniform4(complex())
-            .prop_map(|[a, b, c, d]| [Vector2::new(a, b), Vector2::new(c, d)]);
-        prop::collection::vec(pair, 1..4)
-    }
-
-    fn average(fields: &[[Vector2<Complex64>; 2]], i: usize, j: usize) -> CrossSpectralDensity {
-        fields
-            .iter()
-            .map(|pair| CrossSpectralDensity::of_fields(pair[i], pair[j]))
-            .fold(real(0.0, 0.0, 0.0), |sum, one| sum.plus(&one))
     }
 
     proptest! {

@@ -107,6 +107,8 @@ mod positivity;
 mod scale;
 mod schell;
 mod sixteen;
+#[cfg(test)]
+mod test_ensembles;
 
 pub use abcd::{AstigmaticTransfer, RayTransfer, RayTransferError};
 pub use csdm::CrossSpectralDensity;

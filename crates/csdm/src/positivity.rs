@@ -197,7 +197,8 @@ impl CrossSpectralDensity {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Matrix2, Vector2};
+    use crate::test_ensembles::{average, fields};
+    use nalgebra::Matrix2;
     use proptest::prelude::*;
     use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_4};
 
@@ -296,24 +297,6 @@ mod tests {
             overflown.check_pair(&here, &here, 1e-15),
             Err(CoherenceError::NotFinite { .. })
         ));
-    }
-
-    fn complex() -> impl Strategy<Value = Complex64> {
-        (-1.0..1.0f64, -1.0..1.0f64).prop_map(|(re, im)| Complex64::new(re, im))
-    }
-
-    /// An ensemble of three fields at two points.
-    fn fields() -> impl Strategy<Value = Vec<[Vector2<Complex64>; 2]>> {
-        let pair = prop::array::uniform4(complex())
-            .prop_map(|[a, b, c, d]| [Vector2::new(a, b), Vector2::new(c, d)]);
-        prop::collection::vec(pair, 1..4)
-    }
-
-    fn average(fields: &[[Vector2<Complex64>; 2]], i: usize, j: usize) -> CrossSpectralDensity {
-        fields
-            .iter()
-            .map(|pair| CrossSpectralDensity::of_fields(pair[i], pair[j]))
-            .fold(real(0.0, 0.0, 0.0), |sum, one| sum.plus(&one))
     }
 
     proptest! {

@@ -282,13 +282,7 @@ impl GeneralizedStokes {
                 })
             })),
         };
-        Self::new(
-            components,
-            self.shape,
-            frame,
-            self.wavelength,
-            self.distance,
-        )
+        self.with_components(components, frame)
     }
 
     /// All four components times `factor`.
@@ -308,13 +302,7 @@ impl GeneralizedStokes {
                     .map(|series| series.as_ref().map(|series| series.scaled(factor))),
             ),
         };
-        Self::new(
-            components,
-            self.shape,
-            self.frame,
-            self.wavelength,
-            self.distance,
-        )
+        self.with_components(components, self.frame)
     }
 
     /// The incoherent superposition of two lights on the same ray.
@@ -352,13 +340,7 @@ impl GeneralizedStokes {
                 }
             })),
         };
-        Self::new(
-            components,
-            self.shape,
-            self.frame,
-            self.wavelength,
-            self.distance,
-        )
+        self.with_components(components, self.frame)
     }
 
     /// The light without its modes above `order`, and what that took from it.
@@ -374,6 +356,17 @@ impl GeneralizedStokes {
     #[must_use]
     pub fn in_shape(&self, shape: ShapeMatrix, order: usize) -> (Self, Loss) {
         self.with_series(shape, |series| series.in_shape(&self.shape, &shape, order))
+    }
+
+    /// The same ray with other components, written in `frame`.
+    fn with_components(&self, components: Components, frame: Frame) -> Result<Self, LightError> {
+        Self::new(
+            components,
+            self.shape,
+            frame,
+            self.wavelength,
+            self.distance,
+        )
     }
 
     fn with_series(

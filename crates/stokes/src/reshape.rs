@@ -258,8 +258,9 @@ mod tests {
             (determinant(&i1).abs() * determinant(&i2).abs()) as f64 / determinant(&sum) as f64;
         let [first, second] = [w1, w2].map(|w| ShapeMatrix::from_root(&w).unwrap());
         let found = overlap((0, 0), &first, (0, 0), &second);
+        // a few roundings in each of two determinants, the larger stretch and two roots
         assert!(
-            (found / (2.0 * ratio.sqrt()) - 1.0).abs() < 1e-12,
+            (found / (2.0 * ratio.sqrt()) - 1.0).abs() < 32.0 * f64::EPSILON,
             "{found} {ratio}"
         );
     }
