@@ -1,11 +1,26 @@
-//! Matter: interfaces and optical elements as Mueller matrices.
+//! Matter: interfaces and optical elements as Mueller matrices, and the theorem of light-matter interaction.
 //!
-//! Signs and frames are those of the page of [`stokes`]. [`DielectricInterface`] and [`ConductorInterface`] are
-//! smooth boundaries, written between the s-p frames of the two rays; [`element`] holds ideal polarizers and
-//! retarders and says where their axes lie for an oblique ray.
+//! Signs and frames are those of the page of [`stokes`].
 #![forbid(unsafe_code)]
 
+mod accuracy;
+mod autocorrelation;
+mod channels;
 pub mod element;
+mod geometry;
+mod incident;
 mod interface;
+mod kernel;
+mod population;
+mod relief;
+mod theorem;
 
+pub use accuracy::{Approximation, BadTolerance, Method, Tolerance};
+pub use autocorrelation::{Autocorrelation, AutocorrelationError, GaussianFamily, GaussianTerm};
+pub use channels::{ChannelSet, Channels};
+pub use geometry::{Geometry, GeometryError, LEAST_COSINE};
+pub use incident::{IncidentCoherence, IncidentError};
 pub use interface::{ConductorInterface, DielectricInterface, IndexError, Transmitted};
+pub use population::{Matter, MatterError, Population};
+pub use relief::{Flat, Relief, Superposed};
+pub use theorem::{Amplitudes, Energy, InteractionError, Transfer};

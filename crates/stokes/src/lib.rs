@@ -130,7 +130,7 @@ mod lanes;
 mod log_hessian;
 mod mueller;
 mod observables;
-mod plane;
+pub mod plane;
 mod realizability;
 mod reshape;
 mod series;

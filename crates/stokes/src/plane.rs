@@ -13,14 +13,16 @@ use nalgebra::{Matrix2, Vector2};
 /// Source: Jeannerod, Louvet & Muller, "Further analysis of Kahan's algorithm for the accurate computation of 2×2
 /// determinants", Math. Comp. 82 (2013).
 #[inline]
-pub(crate) fn sum_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
+#[must_use]
+pub fn sum_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
     let product = c * d;
     let error = c.mul_add(d, -product);
     a.mul_add(b, product) + error
 }
 
 /// The angle of an undirected axis, from `(−π, π]` to `[0, π)`.
-pub(crate) fn axis_angle(angle: f64) -> f64 {
+#[must_use]
+pub fn axis_angle(angle: f64) -> f64 {
     let folded = if angle < 0.0 { angle + PI } else { angle };
     // a negative angle below the rounding of π wraps to 0
     if folded < PI { folded } else { 0.0 }
@@ -28,7 +30,8 @@ pub(crate) fn axis_angle(angle: f64) -> f64 {
 
 /// `m·v`, entrywise as [`sum_of_products`].
 #[inline]
-pub(crate) fn apply(m: &Matrix2<f64>, v: &Vector2<f64>) -> Vector2<f64> {
+#[must_use]
+pub fn apply(m: &Matrix2<f64>, v: &Vector2<f64>) -> Vector2<f64> {
     Vector2::new(
         sum_of_products(m.m11, v.x, m.m12, v.y),
         sum_of_products(m.m21, v.x, m.m22, v.y),
@@ -36,29 +39,34 @@ pub(crate) fn apply(m: &Matrix2<f64>, v: &Vector2<f64>) -> Vector2<f64> {
 }
 
 /// `a·b`, entrywise as [`sum_of_products`].
-pub(crate) fn product(a: &Matrix2<f64>, b: &Matrix2<f64>) -> Matrix2<f64> {
+#[must_use]
+pub fn product(a: &Matrix2<f64>, b: &Matrix2<f64>) -> Matrix2<f64> {
     Matrix2::from_fn(|row, column| {
         sum_of_products(a[(row, 0)], b[(0, column)], a[(row, 1)], b[(1, column)])
     })
 }
 
 /// The determinant, as [`sum_of_products`].
-pub(crate) fn determinant(m: &Matrix2<f64>) -> f64 {
+#[must_use]
+pub fn determinant(m: &Matrix2<f64>) -> f64 {
     sum_of_products(m.m11, m.m22, -m.m12, m.m21)
 }
 
 /// The adjugate: `m · adjugate(m) = determinant(m) · 1`.
-pub(crate) fn adjugate(m: &Matrix2<f64>) -> Matrix2<f64> {
+#[must_use]
+pub fn adjugate(m: &Matrix2<f64>) -> Matrix2<f64> {
     Matrix2::new(m.m22, -m.m12, -m.m21, m.m11)
 }
 
 /// The inverse of a matrix whose determinant is not zero.
-pub(crate) fn inverse(m: &Matrix2<f64>) -> Matrix2<f64> {
+#[must_use]
+pub fn inverse(m: &Matrix2<f64>) -> Matrix2<f64> {
     adjugate(m) / determinant(m)
 }
 
 /// Eigenvalues of a symmetric matrix, the larger first; the smaller one without cancellation.
-pub(crate) fn eigenvalues(m: &Matrix2<f64>) -> [f64; 2] {
+#[must_use]
+pub fn eigenvalues(m: &Matrix2<f64>) -> [f64; 2] {
     let trace = m.m11 + m.m22;
     let spread = (m.m11 - m.m22).hypot(2.0 * m.m12);
     let far = 0.5 * (trace.abs() + spread).copysign(trace);
@@ -77,25 +85,30 @@ pub(crate) fn eigenvalues(m: &Matrix2<f64>) -> [f64; 2] {
 /// The symmetric positive root of a symmetric positive definite matrix: `(m + √|m| 1)/√(tr m + 2√|m|)`.
 ///
 /// Entrywise as accurate as the determinant: no difference is taken on the diagonal.
-pub(crate) fn symmetric_root(m: &Matrix2<f64>) -> Matrix2<f64> {
+#[must_use]
+pub fn symmetric_root(m: &Matrix2<f64>) -> Matrix2<f64> {
     let s = determinant(m).sqrt();
     let t = (m.m11 + m.m22 + 2.0 * s).sqrt();
     Matrix2::new(m.m11 + s, m.m12, m.m21, m.m22 + s) / t
 }
 
 /// A singular value decomposition `m = left · diag(values) · rightᵀ` with orthogonal `left` and `right`.
-pub(crate) struct SingularValues {
-    pub(crate) left: Matrix2<f64>,
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SingularValues {
+    /// Orthogonal, 2×2.
+    pub left: Matrix2<f64>,
     /// The larger first, neither negative.
-    pub(crate) values: [f64; 2],
-    pub(crate) right: Matrix2<f64>,
+    pub values: [f64; 2],
+    /// Orthogonal, 2×2.
+    pub right: Matrix2<f64>,
 }
 
 /// The singular values of `m` and their axes.
 ///
 /// One-sided Jacobi rotation. The smaller value is `|det m|` over the larger, hence as accurate as the entries of
 /// `m` permit (relative error of a few `f64::EPSILON` for any condition number).
-pub(crate) fn singular_values(m: &Matrix2<f64>) -> SingularValues {
+#[must_use]
+pub fn singular_values(m: &Matrix2<f64>) -> SingularValues {
     let scale = m.amax();
     if scale == 0.0 {
         return SingularValues {

@@ -308,7 +308,8 @@ impl HermiteSeries {
     }
 
     /// `Σ c_ab h_a(0) h_b(0)`, to which odd orders contribute nothing.
-    pub(crate) fn sum_at_zero(&self) -> f64 {
+    #[must_use]
+    pub fn sum_at_zero(&self) -> f64 {
         let [sum, _] = parity_sums(self.order, &self.real, [0.0; 2], false, true);
         sum
     }

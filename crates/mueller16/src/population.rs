@@ -1,0 +1,218 @@
+//! Locally stationary matter as a list of populations: a response, an autocorrelation and an envelope each.
+
+use csdm::{CloudeSpectrum, JonesMatrix, NotRealizable};
+use nalgebra::{Matrix2, Vector2};
+use stokes::{Envelope, EnvelopeError, EnvelopeModes, ModeWidth, Mueller};
+use thiserror::Error;
+
+use crate::autocorrelation::{Autocorrelation, GaussianFamily};
+use crate::channels::Channels;
+
+/// Rounding that a Mueller matrix may carry and still be taken for realizable, of its largest eigenvalue.
+const REALIZABLE: f64 = 1e-9;
+
+/// Why populations are no matter.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum MatterError {
+    /// A population is one that no ensemble of Jones matrices makes.
+    #[error("matter: {0}")]
+    NotRealizable(#[from] NotRealizable),
+    /// The lobe of a population is negative somewhere.
+    #[error(
+        "matter: a population with sixteen given numbers has an autocorrelation of negative weight {weight}; expected weights \
+         of at least 0, or channels given one by one"
+    )]
+    NegativeWeight {
+        /// The weight.
+        weight: f64,
+    },
+    /// There is none.
+    #[error("matter: no population, expected at least one")]
+    Nothing,
+    /// An envelope has no modes.
+    #[error(transparent)]
+    Envelope(#[from] EnvelopeError),
+}
+
+/// One kind of scatterer: what it does to polarization, how it is correlated from place to place, and where it is.
+///
+/// ```text
+/// Σ^(j→l)(x₁, x₂) = I((x₁ + x₂)/2) R^(j→l)(x₁ − x₂),      R^(j→l) = M_lj R
+/// ```
+///
+/// `M` is real: it is the Mueller matrix of one point. The phase of a relief or of a patterned element stands in R, as
+/// the places of its orders ([`crate::Autocorrelation::shifted`]); a height h along the normal is `e^(−iφ_z h)` there, a
+/// Jones matrix in `exp(+iωt)` enters as its conjugate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Population {
+    mueller: Mueller,
+    autocorrelation: Autocorrelation,
+    envelope: Envelope,
+}
+
+impl Population {
+    /// Scatterers of one Jones matrix.
+    #[must_use]
+    pub fn of_jones(
+        jones: &JonesMatrix,
+        autocorrelation: Autocorrelation,
+        envelope: Envelope,
+    ) -> Self {
+        Self::of_sixteen(&jones.mueller(), autocorrelation, envelope)
+    }
+
+    /// Scatterers of one Mueller matrix: an ensemble at one point.
+    ///
+    /// # Errors
+    ///
+    /// When no ensemble of Jones matrices has this matrix (an eigenvalue of its coherency matrix below −1e-9 of the
+    /// largest), or a weight of the autocorrelation is negative.
+    pub fn of_mueller(
+        mueller: &Mueller,
+        autocorrelation: Autocorrelation,
+        envelope: Envelope,
+    ) -> Result<Self, MatterError> {
+        CloudeSpectrum::of(mueller)?.check_realizable(REALIZABLE)?;
+        let mut terms = autocorrelation
+            .families()
+            .iter()
+            .flat_map(GaussianFamily::terms);
+        if let Some(term) = terms.find(|term| term.weight.is_nan() || term.weight < 0.0) {
+            return Err(MatterError::NegativeWeight {
+                weight: term.weight,
+            });
+        }
+        Ok(Self::of_sixteen(mueller, autocorrelation, envelope))
+    }
+
+    /// Scatterers of sixteen given numbers, which need not be realizable by themselves: one channel of many, or numbers
+    /// from elsewhere. [`Matter::check_realizable`] asks about the whole.
+    #[must_use]
+    pub fn of_sixteen(
+        mueller: &Mueller,
+        autocorrelation: Autocorrelation,
+        envelope: Envelope,
+    ) -> Self {
+        Self {
+            mueller: *mueller,
+            autocorrelation,
+            envelope,
+        }
+    }
+}
+
+/// Locally stationary matter: its channels, and the envelopes in which they are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Matter {
+    channels: Channels,
+    envelopes: Vec<Envelope>,
+}
+
+impl Matter {
+    /// The matter that consists of these populations. Equal envelopes are held once, and so are channels of one
+    /// autocorrelation.
+    ///
+    /// # Errors
+    ///
+    /// When there is no population.
+    pub fn new(populations: Vec<Population>) -> Result<Self, MatterError> {
+        let mut channels = Channels::default();
+        let mut envelopes: Vec<Envelope> = vec![];
+        for population in populations {
+            let Population {
+                mueller,
+                autocorrelation,
+                envelope,
+            } = population;
+            let place = match envelopes.iter().position(|known| *known == envelope) {
+                Some(place) => place,
+                None => {
+                    envelopes.push(envelope);
+                    envelopes.len() - 1
+                }
+            };
+            channels = channels.with(&mueller, autocorrelation, place);
+        }
+        if envelopes.is_empty() {
+            return Err(MatterError::Nothing);
+        }
+        Ok(Self {
+            channels,
+            envelopes,
+        })
+    }
+
+    /// The channels; their envelopes are numbered as [`Matter::envelopes`] are.
+    #[must_use]
+    pub fn channels(&self) -> &Channels {
+        &self.channels
+    }
+
+    /// The different envelopes.
+    #[must_use]
+    pub fn envelopes(&self) -> &[Envelope] {
+        &self.envelopes
+    }
+
+    /// The far-field modes of every envelope up to `order`, the same in every direction.
+    ///
+    /// # Errors
+    ///
+    /// As [`Envelope::modes`].
+    pub fn modes(&self, width: ModeWidth, order: usize) -> Result<Vec<EnvelopeModes>, MatterError> {
+        let modes: Result<_, _> = self
+            .envelopes
+            .iter()
+            .map(|e| e.modes(width, order))
+            .collect();
+        Ok(modes?)
+    }
+
+    /// Covariance of the place of the total scattered intensity, 2×2, m²: the envelopes of `0 → 0` weighted by their
+    /// areas and `R^(0→0)(0)`; about the common centroid. `None` where no intensity is scattered.
+    #[must_use]
+    pub fn covariance(&self) -> Option<Matrix2<f64>> {
+        let weights: Vec<f64> = self
+            .envelopes
+            .iter()
+            .enumerate()
+            .map(|(place, envelope)| {
+                let r = self.channels.autocorrelation(0, 0, place);
+                r.map_or(0.0, |r| r.at_zero() * envelope.area())
+            })
+            .collect();
+        let total: f64 = weights.iter().sum();
+        if total.is_nan() || total <= 0.0 {
+            return None;
+        }
+        let weighted = || self.envelopes.iter().zip(&weights);
+        let centre: Vector2<f64> = weighted()
+            .map(|(e, w)| e.centroid() * *w)
+            .sum::<Vector2<f64>>()
+            / total;
+        let sum: Matrix2<f64> = weighted()
+            .map(|(e, w)| {
+                let d = e.centroid() - centre;
+                (e.covariance() + d * d.transpose()) * *w
+            })
+            .sum();
+        Some(sum / total)
+    }
+
+    /// Asks whether the matter could be made of Jones matrices, at these tangential wave vectors: whether the Mueller
+    /// matrix `F{R^(j→l)}(φ)` of every one has no negative eigenvalue of its coherency matrix (Bochner).
+    ///
+    /// Delta orders are asked about one by one.
+    ///
+    /// # Errors
+    ///
+    /// With the most negative eigenvalue of the first that fails.
+    pub fn check_realizable(&self, at: &[Vector2<f64>], tolerance: f64) -> Result<(), MatterError> {
+        for place in 0..self.envelopes.len() {
+            for mueller in self.channels.spectral_muellers(place, at) {
+                CloudeSpectrum::of(&mueller)?.check_realizable(tolerance)?;
+            }
+        }
+        Ok(())
+    }
+}
