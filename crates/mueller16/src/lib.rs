@@ -16,7 +16,9 @@ mod relief;
 mod theorem;
 
 pub use accuracy::{Approximation, BadTolerance, Method, Tolerance};
-pub use autocorrelation::{Autocorrelation, AutocorrelationError, GaussianFamily, GaussianTerm};
+pub use autocorrelation::{
+    Autocorrelation, AutocorrelationError, GaussianFamily, GaussianHeights, GaussianTerm,
+};
 pub use channels::{ChannelSet, Channels};
 pub use geometry::{Geometry, GeometryError, LEAST_COSINE};
 pub use incident::{IncidentCoherence, IncidentError};
