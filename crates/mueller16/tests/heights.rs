@@ -3,6 +3,7 @@
 use mueller16::{Approximation, GaussianHeights, GaussianTerm, Method, Relief, Tolerance};
 use nalgebra::{Matrix2, Vector2};
 use proptest::prelude::*;
+use proptest::test_runner::FileFailurePersistence;
 
 /// Rounding of a sum of up to 2e4 weights from a recurrence of as many steps, each within 1e-16: 1e-14 at random signs.
 const ROUNDING: f64 = 2e-14;
@@ -334,7 +335,19 @@ fn what_is_no_surface_is_refused_with_its_numbers() {
     assert!((terms[0].rate / 1e20 - 1.0).abs() < 1e-9);
 }
 
+/// Seeds once found wrong, from the package's root.
+fn with_seeds() -> ProptestConfig {
+    ProptestConfig {
+        failure_persistence: Some(Box::new(FileFailurePersistence::Direct(
+            "proptest-regressions/heights.txt",
+        ))),
+        ..ProptestConfig::default()
+    }
+}
+
 proptest! {
+    #![proptest_config(with_seeds())]
+
     /// Sources of several points, whose coherence has any sign: the bound is for the largest value of *their* lobe.
     #[test]
     fn the_bound_holds_for_light_of_any_coherence(

@@ -94,6 +94,28 @@ impl GaussianHeights {
     }
 }
 
+impl Autocorrelation {
+    /// `⟨e^(iψ(x')) e^(−iψ(x'−x))⟩ = e^(−variance (1 − ρ(x)))` of a Gaussian phase ψ, `ρ = e^(−xᵀ (DᵀD)⁻¹ x/2)`.
+    ///
+    /// `variance` in rad²; `root` is D, 2×2, m. Accuracy as [`GaussianHeights`].
+    ///
+    /// # Errors
+    ///
+    /// When the variance is not between 0 and 1e24, or the root as [`GaussianFamily::new`] says.
+    pub fn of_gaussian_phase(
+        variance: f64,
+        root: &Matrix2<f64>,
+        tolerance: Tolerance,
+    ) -> Result<(Self, Approximation), AutocorrelationError> {
+        if !(0.0..=LARGEST).contains(&variance) {
+            return Err(AutocorrelationError::Phase { variance });
+        }
+        let shape = GaussianFamily::new(root, [])?;
+        let (terms, chosen) = poisson::exponential(variance, tolerance);
+        Ok((shape.with_terms(terms).into(), chosen))
+    }
+}
+
 impl Relief for GaussianHeights {
     /// # Errors
     ///

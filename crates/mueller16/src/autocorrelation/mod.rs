@@ -52,6 +52,12 @@ pub enum AutocorrelationError {
         /// What was found.
         value: f64,
     },
+    /// The variance of a random phase is out of its domain.
+    #[error("autocorrelation: the variance of the phase is {variance} rad², expected 0 to 1e24")]
+    Phase {
+        /// What was found.
+        variance: f64,
+    },
     /// Heights are too many wavelengths high, or not a number of them.
     #[error(
         "heights: g = (φ_z σ_h)² is {g} at φ_z = {phi_z} rad/m and σ_h = {deviation} m, expected 0 to 1e24"
