@@ -128,10 +128,8 @@ fn spread(g: f64, n: usize, at_zero: f64) -> f64 {
     let (far, near) = (g.sqrt() + order.sqrt(), g - order);
     // the weights start at 1, which keeps the lower turning point from 0
     let between = near * near + far * far;
-    let power = 1.0 / (2.0 * order + 1.0);
-    // π_n(0)² r^(2n) as a power of its n-th root: no overflow
-    let root = at_zero.powf(1.0 / order);
-    (root * root / between).powf(order * power)
+    let exponent = 2.0 * at_zero.ln() - order * between.ln();
+    (exponent / (2.0 * order + 1.0)).exp()
 }
 
 /// The rule for `w_m` itself, Gauss-Charlier, of the fewest nodes whose error is at most `target`; g at least [`ROUGH`].
@@ -166,15 +164,22 @@ fn rule(
     error: f64,
     factor: impl Fn(f64) -> f64,
 ) -> Rule {
-    let mut weights = eigen(&mut nodes[..count], squares.map(f64::sqrt));
+    let mut off = squares;
+    for entry in &mut off[..count - 1] {
+        *entry = entry.sqrt();
+    }
+    let mut weights = eigen(&mut nodes[..count], off);
     let mut sum = 0.0;
     for (weight, node) in weights.iter_mut().zip(nodes).take(count) {
-        *weight *= *weight * factor(node);
+        *weight = weight.powi(2) * factor(node);
         sum += *weight;
+    }
+    for weight in &mut weights[..count] {
+        *weight /= sum;
     }
     Rule {
         nodes,
-        weights: weights.map(|weight| weight / sum),
+        weights,
         count,
         error,
     }
@@ -197,16 +202,18 @@ fn eigen(d: &mut [f64], mut off: [f64; MAX_NODES]) -> [f64; MAX_NODES] {
                 break;
             }
             let shift = (d[l + 1] - d[l]) / (2.0 * off[l]);
-            let root = shift.hypot(1.0).copysign(shift);
+            let root = (shift * shift + 1.0).sqrt().copysign(shift);
             let mut bulge = d[m] - d[l] + off[l] / (shift + root);
             let (mut sine, mut cosine, mut moved) = (1.0, 1.0, 0.0);
             for i in (l..m).rev() {
                 let (across, along) = (sine * off[i], cosine * off[i]);
-                let radius = across.hypot(bulge);
+                // entries lie between 1 and 1e24 or are rounding: squares are numbers
+                let radius = (across * across + bulge * bulge).sqrt();
                 off[i + 1] = radius;
                 // 0 only where both vanish: nothing to turn
                 (sine, cosine) = if radius > 0.0 {
-                    (across / radius, bulge / radius)
+                    let inverse = 1.0 / radius;
+                    (across * inverse, bulge * inverse)
                 } else {
                     (0.0, 1.0)
                 };
@@ -225,4 +232,104 @@ fn eigen(d: &mut [f64], mut off: [f64; MAX_NODES]) -> [f64; MAX_NODES] {
         }
     }
     first
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `Σ_(m≥1) w_m f(m) / Σ_(m≥1) w_m`.
+    fn poisson_mean(g: f64, f: impl Fn(f64) -> f64) -> f64 {
+        let (mut weight, mut sum, mut total, mut m) = (1.0, 0.0, 0.0, 0.0);
+        while m < g || weight > 1e-25 * total {
+            m += 1.0;
+            weight *= g / m;
+            sum += weight * f(m);
+            total += weight;
+        }
+        sum / total
+    }
+
+    fn mean(rule: &Rule, f: impl Fn(f64) -> f64) -> f64 {
+        let pairs = rule.weights.iter().zip(rule.nodes).take(rule.count);
+        pairs.map(|(weight, node)| weight * f(node)).sum()
+    }
+
+    #[test]
+    fn rules_integrate_powers_from_the_inverse_on() {
+        for (g, target) in [
+            (1e-3, 1e-9),
+            (0.1, 1e-12),
+            (1.0, 1e-6),
+            (3.0, 1e-9),
+            (10.0, 1e-3),
+            (30.0, 1e-6),
+            (60.0, 1e-6),
+            (400.0, 1e-9),
+        ] {
+            let rule = divided(g, target).unwrap();
+            let highest = 2 * rule.count as i32 - 2;
+            for power in -1..=highest {
+                let found = mean(&rule, |x| x.powi(power));
+                let expected = poisson_mean(g, |m| m.powi(power));
+                // the recurrences lose g^n/n! roundings, at most 1e-16 over the target
+                let tolerance = 1e-13 + 1e-15 / target * f64::from(power).abs();
+                assert!(
+                    (found / expected - 1.0).abs() < tolerance,
+                    "g {g}, {} nodes, power {power}: {found} {expected}",
+                    rule.count
+                );
+            }
+            let beyond = mean(&rule, |x| x.powi(highest + 1));
+            let expected = poisson_mean(g, |m| m.powi(highest + 1));
+            assert!(beyond < expected, "g {g}");
+        }
+    }
+
+    #[test]
+    fn charlier_rules_integrate_powers_from_the_first_on() {
+        for (g, target) in [(50.0, 1e-9), (100.0, 1e-15), (1e4, 1e-15), (1e6, 1e-15)] {
+            let rule = charlier(g, target).unwrap();
+            for power in 0..2 * rule.count as i32 {
+                // factorial moments of a Poisson distribution: ⟨m (m − 1) … (m − k + 1)⟩ = g^k
+                let falling = |x: f64| (0..power).map(|k| (x - f64::from(k)) / g).product::<f64>();
+                assert!(
+                    (mean(&rule, falling) - 1.0).abs() < 1e-13,
+                    "g {g}, power {power}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn caps_are_the_largest_derivatives_over_a_wider_gaussian() {
+        // e^(−t/2) L_k(t) on a grid that resolves its fastest oscillation, π/√(8k) of √t at k = 48
+        let grid: Vec<f64> = (0..4000).map(|i| (0.005 * f64::from(i)).powi(2)).collect();
+        let mut last: Vec<f64> = grid.iter().map(|t| (-0.5 * t).exp()).collect();
+        let mut next: Vec<f64> = grid.iter().zip(&last).map(|(t, e)| (1.0 - t) * e).collect();
+        for n in 1..=MAX_NODES {
+            // L_(k+1) = ((2k + 1 − t) L_k − k L_(k−1))/(k + 1), up to k + 1 = 2n
+            for k in 2 * n - 2..2 * n {
+                if k == 0 {
+                    continue;
+                }
+                let k = k as f64;
+                for ((t, l), m) in grid.iter().zip(&mut last).zip(&mut next) {
+                    let more = ((2.0 * k + 1.0 - t) * *m - k * *l) / (k + 1.0);
+                    (*l, *m) = (*m, more);
+                }
+            }
+            let wider = |a: f64| -> f64 {
+                let values = grid.iter().zip(last.iter().zip(&next));
+                let one =
+                    |(t, (l, m)): (&f64, (&f64, &f64))| (m - l).abs() * (t / a - 0.5 * t).exp();
+                a * values.map(one).fold(0.0, f64::max)
+            };
+            let least = (0..80)
+                .map(|i| wider(2.0 + 0.05 * f64::from(i)))
+                .fold(f64::INFINITY, f64::min);
+            let cap = CAPS[n - 1];
+            assert!(least < cap && cap < 1.02 * least, "{n}: {least} {cap}");
+        }
+    }
 }

@@ -133,11 +133,6 @@ impl GaussianFamily {
         })
     }
 
-    /// Other Gaussians, known to be in their domain, over the same shape.
-    fn with_terms(&self, terms: SmallVec<[GaussianTerm; 4]>) -> Self {
-        Self { terms, ..*self }
-    }
-
     /// The root D, 2×2, m.
     #[must_use]
     pub fn root(&self) -> &Matrix2<f64> {

@@ -130,3 +130,51 @@ fn window(g: f64, target: f64) -> (f64, Vec<f64>, f64) {
     let kept = weights[start..=last].iter().map(|w| w / total).collect();
     (first, kept, error)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn windows_of_any_g_hold_the_moments_of_the_distribution() {
+        for g in [1e-3f64, 0.5, 7.0, 150.0, 1e4, 1e6] {
+            for target in [1e-3, 1e-9, 5e-16] {
+                let (first, weights, error) = window(g, target);
+                assert!(error <= target, "{g} {target} {error}");
+                let moment = |f: &dyn Fn(f64) -> f64| -> f64 {
+                    let places = weights.iter().enumerate();
+                    places.map(|(i, w)| w * f(first + i as f64)).sum()
+                };
+                assert!((moment(&|_| 1.0) - 1.0).abs() < 1e-13, "{g}");
+                // w_m (m − m₂)/m₂ is what is moved, at most the target: so are first moments over g and second over g²
+                let diffuse = -(-g).exp_m1();
+                let mean = moment(&|m| m) * diffuse / g;
+                assert!((mean - 1.0).abs() < target + 1e-12, "{g} {mean}");
+                let variance = moment(&|m| (m - g).powi(2)) * diffuse + g * g * (-g).exp();
+                let moved = 10.0 * target * g.max(1.0).powi(2) + 1e-9 * g;
+                assert!((variance - g).abs() < moved, "{g} {target} {variance}");
+            }
+        }
+        // 10 √g on either side at most
+        let (first, weights, _) = window(1e6, 5e-16);
+        assert!(
+            weights.len() < 20_000 && first > 9.9e5,
+            "{} {first}",
+            weights.len()
+        );
+    }
+
+    #[test]
+    fn each_method_is_taken_where_it_has_the_fewest_terms() {
+        let method = |g, tolerance| {
+            let (_, chosen) = exponential(g, Tolerance::relative(tolerance).unwrap());
+            chosen.method
+        };
+        assert_eq!(method(1e5, 1e-3), Method::GeometricOptics);
+        assert_eq!(method(1e3, 1e-3), Method::GaussCharlier);
+        assert_eq!(method(10.0, 1e-3), Method::GaussCharlier);
+        assert_eq!(method(0.1, 1e-15), Method::GaussCharlier);
+        assert_eq!(method(1e5, 1e-15), Method::GaussCharlier);
+        assert_eq!(method(20.0, 1e-12), Method::PoissonSum);
+    }
+}
