@@ -6,14 +6,20 @@
 mod accuracy;
 mod autocorrelation;
 mod channels;
+mod domain;
 pub mod element;
+mod footprint;
 mod geometry;
 mod incident;
 mod interface;
 mod kernel;
+mod mode_choice;
+mod near;
 mod phase_screen;
 mod population;
 mod relief;
+mod shared_shape;
+mod state;
 mod theorem;
 
 pub use accuracy::{Approximation, BadTolerance, Method, Tolerance};
@@ -21,9 +27,16 @@ pub use autocorrelation::{
     Autocorrelation, AutocorrelationError, GaussianFamily, GaussianHeights, GaussianTerm,
 };
 pub use channels::{ChannelSet, Channels};
+pub use domain::{Domain, DomainError, MOST_PARAXIAL, MOST_PHASE};
+pub use footprint::{
+    Footprint, FootprintChoice, FootprintError, IncidentPart, Representation, TransferReport,
+};
 pub use geometry::{Geometry, GeometryError, LEAST_COSINE};
 pub use incident::{IncidentCoherence, IncidentError};
 pub use interface::{ConductorInterface, DielectricInterface, IndexError, Transmitted};
+pub use mode_choice::ModeChoice;
+pub use near::Dropped;
 pub use population::{Matter, MatterError, Population};
 pub use relief::{Flat, Relief, Superposed};
+pub use state::StateTransfer;
 pub use theorem::{Amplitudes, Energy, InteractionError, Transfer};

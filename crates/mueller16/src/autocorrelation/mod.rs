@@ -133,6 +133,14 @@ impl GaussianFamily {
         })
     }
 
+    /// Other Gaussians, made of some that were checked, over the same root.
+    pub(crate) fn with_terms(&self, terms: SmallVec<[GaussianTerm; 4]>) -> Self {
+        Self {
+            terms,
+            ..self.clone()
+        }
+    }
+
     /// The root D, 2×2, m.
     #[must_use]
     pub fn root(&self) -> &Matrix2<f64> {
