@@ -12,6 +12,7 @@ mod incident;
 mod interface;
 mod kernel;
 mod population;
+mod recurrence;
 mod relief;
 mod theorem;
 
