@@ -17,6 +17,7 @@ mod mode_choice;
 mod near;
 mod phase_screen;
 mod population;
+mod recurrence;
 mod relief;
 mod shared_shape;
 mod state;
