@@ -16,7 +16,10 @@ mod relief;
 mod theorem;
 
 pub use accuracy::{Approximation, BadTolerance, Method, Tolerance};
-pub use autocorrelation::{Autocorrelation, AutocorrelationError, GaussianFamily, GaussianTerm};
+pub use autocorrelation::{
+    Autocorrelation, AutocorrelationError, ExponentialHeights, GaussianFamily, GaussianTerm,
+    KCorrelatedHeights, KCorrelation, TableError, TabulatedSpectrum,
+};
 pub use channels::{ChannelSet, Channels};
 pub use geometry::{Geometry, GeometryError, LEAST_COSINE};
 pub use incident::{IncidentCoherence, IncidentError};

@@ -7,6 +7,19 @@
 //! Real weights make R Hermitian, `R(−x) = R(x)*`, and its transform real; positive ones make it a lobe that is
 //! nowhere negative. Terms of one family differ in width and place only, so that what they share is computed once.
 
+mod exponential_heights;
+mod k_correlated_heights;
+mod k_correlation;
+mod least_squares;
+mod phase;
+mod rates;
+mod tabulated;
+
+pub use exponential_heights::ExponentialHeights;
+pub use k_correlated_heights::KCorrelatedHeights;
+pub use k_correlation::KCorrelation;
+pub use tabulated::{TableError, TabulatedSpectrum};
+
 use nalgebra::{Matrix2, Vector2};
 use num_complex::Complex64;
 use smallvec::{SmallVec, smallvec};
@@ -34,6 +47,16 @@ pub enum AutocorrelationError {
         /// Place in the list, from 0.
         index: usize,
         /// `"weight"`, `"rate"` or `"shift"`.
+        what: &'static str,
+        /// What was found.
+        value: f64,
+        /// What should be there.
+        expected: &'static str,
+    },
+    /// A number that describes a spectrum or a relief is out of its domain.
+    #[error("autocorrelation: the {what} is {value}, expected {expected}")]
+    Number {
+        /// Its name.
         what: &'static str,
         /// What was found.
         value: f64,
