@@ -14,7 +14,6 @@ mod incident;
 mod interface;
 mod kernel;
 mod mode_choice;
-mod near;
 mod phase_screen;
 mod population;
 mod recurrence;
@@ -25,7 +24,8 @@ mod theorem;
 
 pub use accuracy::{Approximation, BadTolerance, Method, Tolerance};
 pub use autocorrelation::{
-    Autocorrelation, AutocorrelationError, GaussianFamily, GaussianHeights, GaussianTerm,
+    Autocorrelation, AutocorrelationError, ExponentialHeights, GaussianFamily, GaussianHeights,
+    GaussianTerm, KCorrelatedHeights, KCorrelation, TableError, TabulatedSpectrum,
 };
 pub use channels::{ChannelSet, Channels};
 pub use domain::{Domain, DomainError, MOST_PARAXIAL, MOST_PHASE};
@@ -36,7 +36,6 @@ pub use geometry::{Geometry, GeometryError, LEAST_COSINE};
 pub use incident::{IncidentCoherence, IncidentError};
 pub use interface::{ConductorInterface, DielectricInterface, IndexError, Transmitted};
 pub use mode_choice::ModeChoice;
-pub use near::Dropped;
 pub use population::{Matter, MatterError, Population};
 pub use relief::{Flat, Relief, Superposed};
 pub use state::StateTransfer;
