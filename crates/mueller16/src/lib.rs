@@ -11,8 +11,10 @@ mod geometry;
 mod incident;
 mod interface;
 mod kernel;
+mod openings;
 mod population;
 mod relief;
+mod scatterers;
 mod theorem;
 
 pub use accuracy::{Approximation, BadTolerance, Method, Tolerance};
@@ -21,6 +23,11 @@ pub use channels::{ChannelSet, Channels};
 pub use geometry::{Geometry, GeometryError, LEAST_COSINE};
 pub use incident::{IncidentCoherence, IncidentError};
 pub use interface::{ConductorInterface, DielectricInterface, IndexError, Transmitted};
+pub use openings::{
+    AngularSpectrum, LitOpenings, Opening, OpeningError, Openings, PlaneWave, SlitView,
+    fringe_visibility,
+};
 pub use population::{Matter, MatterError, Population};
 pub use relief::{Flat, Relief, Superposed};
+pub use scatterers::{PairFarField, PointScatterer, PointScatterers, ScattererError};
 pub use theorem::{Amplitudes, Energy, InteractionError, Transfer};
