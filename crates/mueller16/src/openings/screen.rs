@@ -78,11 +78,12 @@ pub(super) fn sinc(t: f64, sin: f64) -> f64 {
 /// let slits = Openings::new(vec![slit(-25e-6), slit(25e-6)], 1e-6)?;
 /// assert!((slits.open_fraction() - 0.02).abs() < 1e-15);
 /// let sodium = Wavelength::from_metres(589e-9)?;
-/// let lit = slits.lit_by(&AngularSpectrum::plane_wave())?;
+/// let star = AngularSpectrum::plane_wave();
+/// let lit = slits.lit_by(&star)?;
 /// let at = |sin: f64| {
 ///     let to_observer = Vector3::new(sin, 0.0, (1.0 - sin * sin).sqrt());
 ///     let geometry = Geometry::on_plane(-Vector3::z(), to_observer, sodium)?;
-///     Ok::<f64, Box<dyn std::error::Error>>(lit.transfer(&geometry).element(0, 0))
+///     Ok::<f64, Box<dyn std::error::Error>>(lit.transfer(&geometry)?.element(0, 0))
 /// };
 /// // [sin(π/5)/(π/5)]² under the envelope of one slit, and nothing half way
 /// assert!((at(589e-9 / 50e-6)? / at(0.0)? - 0.875).abs() < 1e-3);
