@@ -14,10 +14,12 @@ mod incident;
 mod interface;
 mod kernel;
 mod mode_choice;
+mod openings;
 mod phase_screen;
 mod population;
 mod recurrence;
 mod relief;
+mod scatterers;
 mod shared_shape;
 mod state;
 mod theorem;
@@ -36,7 +38,12 @@ pub use geometry::{Geometry, GeometryError, LEAST_COSINE};
 pub use incident::{IncidentCoherence, IncidentError};
 pub use interface::{ConductorInterface, DielectricInterface, IndexError, Transmitted};
 pub use mode_choice::ModeChoice;
+pub use openings::{
+    AngularSpectrum, LitOpenings, Opening, OpeningError, Openings, PlaneWave, SlitView,
+    fringe_visibility,
+};
 pub use population::{Matter, MatterError, Population};
 pub use relief::{Flat, Relief, Superposed};
+pub use scatterers::{PairFarField, PointScatterer, PointScatterers, ScattererError};
 pub use state::StateTransfer;
 pub use theorem::{Amplitudes, Energy, InteractionError, Transfer};
