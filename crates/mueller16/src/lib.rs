@@ -13,6 +13,7 @@ mod interface;
 mod kernel;
 mod population;
 mod relief;
+pub mod surface;
 mod theorem;
 
 pub use accuracy::{Approximation, BadTolerance, Method, Tolerance};
