@@ -12,11 +12,13 @@ mod boundary;
 mod energy;
 mod error;
 mod facet;
+mod hemisphere;
 mod layers;
 mod plates;
 mod quadrature;
 mod shadowing;
 mod specular;
+mod table;
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 use stokes::{Envelope, Mueller, Wavelength};
@@ -148,7 +150,7 @@ impl<R: Relief> Surface<R> {
         tolerance: Tolerance,
     ) -> Result<f64, SurfaceError> {
         let slopes = self.shadowing.as_ref();
-        let hemisphere = energy::Hemisphere::new(
+        let hemisphere = hemisphere::Hemisphere::new(
             &self.relief,
             self.energy,
             slopes,
