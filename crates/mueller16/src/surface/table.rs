@@ -8,6 +8,8 @@ use crate::relief::Relief;
 const LEAST: f64 = 1e-3;
 /// Intervals of `ln cos` to begin with.
 const INTERVALS: usize = 6;
+/// How often each is halved, whatever its middle says: what rises above 1 between two nodes is to be found.
+const COARSE: usize = 1;
 /// How often one is halved at most.
 const DEEPEST: usize = 6;
 
@@ -46,7 +48,7 @@ impl Table {
                     let exact = value(middle)?;
                     // where the cap is idle on both sides A need not be known
                     let off = (table.log_value(middle).max(0.0) - exact.max(0.0)).abs();
-                    let again = off > hemisphere.tolerance && depth < DEEPEST;
+                    let again = depth < COARSE || (off > hemisphere.tolerance && depth < DEEPEST);
                     worst = worst.max(off);
                     if !again {
                         error = error.max(off);
@@ -58,7 +60,7 @@ impl Table {
                 }
             }
             nodes = finer;
-            if worst <= hemisphere.tolerance {
+            if depth >= COARSE && worst <= hemisphere.tolerance {
                 break;
             }
         }
