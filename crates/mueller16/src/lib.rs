@@ -11,13 +11,16 @@ mod geometry;
 mod incident;
 mod interface;
 mod kernel;
+mod phase_screen;
 mod population;
 mod relief;
 pub mod surface;
 mod theorem;
 
 pub use accuracy::{Approximation, BadTolerance, Method, Tolerance};
-pub use autocorrelation::{Autocorrelation, AutocorrelationError, GaussianFamily, GaussianTerm};
+pub use autocorrelation::{
+    Autocorrelation, AutocorrelationError, GaussianFamily, GaussianHeights, GaussianTerm,
+};
 pub use channels::{ChannelSet, Channels};
 pub use geometry::{Geometry, GeometryError, LEAST_COSINE};
 pub use incident::{IncidentCoherence, IncidentError};
