@@ -22,6 +22,7 @@ mod relief;
 mod scatterers;
 mod shared_shape;
 mod state;
+pub mod surface;
 mod theorem;
 
 pub use accuracy::{Approximation, BadTolerance, Method, Tolerance};
