@@ -11,6 +11,7 @@ mod geometry;
 mod incident;
 mod interface;
 mod kernel;
+mod lobe;
 mod population;
 mod relief;
 mod theorem;

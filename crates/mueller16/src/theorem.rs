@@ -301,7 +301,7 @@ fn sums(
 }
 
 /// `F{R Σ c_ab h_a h_b(V·)}(φ)` for each series, m².
-fn integrate<const J: usize>(
+pub(crate) fn integrate<const J: usize>(
     autocorrelation: &Autocorrelation,
     (root, determinant): (&nalgebra::Matrix2<f64>, f64),
     phi: &Vector2<f64>,
