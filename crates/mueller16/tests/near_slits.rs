@@ -89,6 +89,22 @@ fn each_slit_with_its_own_path_is_the_diffraction_integral() {
 }
 
 #[test]
+fn an_opening_off_the_centre_is_as_bright_as_its_own_distances_say() {
+    let x = Vector3::new(0.3, 0.0, 0.0);
+    let hole = Opening::clear(x.xy(), 12e-6, 12e-6);
+    let hole = Openings::new(vec![hole], 1e-6).unwrap();
+    let (source, observer) = (x + 2.0 * Vector3::z(), x - Vector3::z());
+    let accepted = Tolerance::relative(2e-3).unwrap();
+    let view = hole
+        .seen_between(source, observer, green(), accepted)
+        .unwrap();
+    let found = view.jones().mueller().element(0, 0) / hole.open_area().powi(2);
+    let expected = (source.norm() * observer.norm() / 2.0).powi(2);
+    // straight on: the square of the phase at the corner, 6e-4
+    assert!((found / expected - 1.0).abs() < 4e-7);
+}
+
+#[test]
 fn far_away_both_forms_agree() {
     let slits = three([8e-6, 12e-6, 15e-6]);
     let delayed = JonesMatrix::linear_retarder(0.7).scaled(Complex64::cis(-0.4));

@@ -12,16 +12,6 @@
 //! weights that are not negative each result is a sum of Mueller matrices of Jones matrices, hence realizable. With
 //! `A_s` the area of the screen, the albedo is the open fraction; radiant intensity is `f_t cos_i cos_o A_s E`, radiance
 //! `f_t cos_i E`, with E the irradiance across the incident ray.
-//!
-//! # More than one such element
-//!
-//! A screen is no locally stationary matter: light behind it has a coherence that depends on where it is, not on
-//! separations alone. For one screen seen by a receiver that does not matter, and any incoherent source is served by the
-//! average over its points. For a chain of two (slits behind slits) the light between them must be kept as a function of
-//! two points: neither radiance, nor the modes of Lemma 4.3 about one direction, which change from place to place on the
-//! second screen as fast as its fringes do. What such a chain needs is, for each plane wave of the source, the field: a sum
-//! over all paths through opening n of the first and m of the second of `T_m T_n` times the phase of the path
-//! ([`Openings::seen_between`] has the phases of one leg), squared at the end, then the sum over the waves.
 
 mod error;
 mod lit;

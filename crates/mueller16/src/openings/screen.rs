@@ -69,6 +69,28 @@ pub(super) fn sinc(t: f64, sin: f64) -> f64 {
 ///
 /// Young's two slits, a grating of a few lines, a stop; coordinates are metres along the two tangents of the surface.
 ///
+/// ```text
+/// f_t = (n_o²/(λ₀² A_s)) ∫ p(q) M(Σ_n T_n F_n(φ_t + q)*) d²q         F_n(κ) = ∫_n e^(−iκ·x) d²x, p the light's wave vectors
+/// ```
+///
+/// With `A_s` the area of the screen the albedo is the open fraction; radiant intensity is `f_t cos_i cos_o A_s E`, radiance
+/// over the screen `f_t cos_i E`, with E the irradiance across the incident ray.
+///
+/// # More than one such element
+///
+/// A screen is no locally stationary matter: the coherence of the light behind it depends on where it is, not on
+/// separations alone. For one screen and its receiver that does not matter, and any incoherent source is served by the
+/// average over its points. A chain of two (slits behind slits) needs the light between them as a function of two points:
+/// neither radiances can be added up there, nor is it enough to take the modes of Lemma 4.3 about one direction, which
+/// change over the second screen as fast as its fringes do. What is needed is the field of each plane wave of the source:
+/// the sum over all ways through opening n of the first screen and m of the second of `T_m T_n` times both transforms and
+/// the phase of the way ([`Openings::seen_between`] has those of one screen), squared at the end, then added up over the
+/// waves.
+///
+/// Source: Lemma 4.3 and Eq. (S2.9).
+///
+/// # Example
+///
 /// ```
 /// use mueller16::{AngularSpectrum, Geometry, Opening, Openings};
 /// use nalgebra::{Vector2, Vector3};
