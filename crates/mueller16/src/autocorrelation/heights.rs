@@ -1,11 +1,10 @@
 //! Surfaces whose heights are a Gaussian process with a Gaussian correlation.
 
 use nalgebra::Matrix2;
-use smallvec::SmallVec;
 use stokes::plane;
 
 use super::poisson;
-use super::{Autocorrelation, AutocorrelationError, GaussianFamily, GaussianTerm};
+use super::{Autocorrelation, AutocorrelationError, GaussianFamily};
 use crate::accuracy::{Approximation, Tolerance};
 use crate::relief::Relief;
 
@@ -93,13 +92,6 @@ impl GaussianHeights {
     #[must_use]
     pub fn phase_variance(&self, phi_z: f64) -> f64 {
         (phi_z * self.deviation).powi(2)
-    }
-}
-
-impl GaussianFamily {
-    /// Other Gaussians, known to be in their domain, over the same shape.
-    fn with_terms(&self, terms: SmallVec<[GaussianTerm; 4]>) -> Self {
-        Self { terms, ..*self }
     }
 }
 

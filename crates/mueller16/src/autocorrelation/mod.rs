@@ -12,6 +12,18 @@ mod heights;
 mod poisson;
 
 pub use heights::GaussianHeights;
+mod exponential_heights;
+mod k_correlated_heights;
+mod k_correlation;
+mod least_squares;
+mod phase;
+mod rates;
+mod tabulated;
+
+pub use exponential_heights::ExponentialHeights;
+pub use k_correlated_heights::KCorrelatedHeights;
+pub use k_correlation::KCorrelation;
+pub use tabulated::{TableError, TabulatedSpectrum};
 
 use nalgebra::{Matrix2, Vector2};
 use num_complex::Complex64;
@@ -69,6 +81,16 @@ pub enum AutocorrelationError {
         phi_z: f64,
         /// Standard deviation of the heights, m.
         deviation: f64,
+    },
+    /// A number that describes a spectrum or a relief is out of its domain.
+    #[error("autocorrelation: the {what} is {value}, expected {expected}")]
+    Number {
+        /// Its name.
+        what: &'static str,
+        /// What was found.
+        value: f64,
+        /// What should be there.
+        expected: &'static str,
     },
 }
 
@@ -131,6 +153,14 @@ impl GaussianFamily {
             determinant: shape.root_determinant() * plane::determinant(root).signum(),
             terms,
         })
+    }
+
+    /// Other Gaussians, made of some that were checked, over the same root.
+    pub(crate) fn with_terms(&self, terms: SmallVec<[GaussianTerm; 4]>) -> Self {
+        Self {
+            terms,
+            ..self.clone()
+        }
     }
 
     /// The root D, 2×2, m.
