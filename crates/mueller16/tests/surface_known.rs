@@ -368,3 +368,64 @@ fn a_quarter_wave_plate_lies_in_the_surface_as_documented() {
         );
     }
 }
+
+#[test]
+fn light_along_the_axis_of_a_tilted_crystal_is_not_retarded() {
+    // the axis leans toward the first tangent, into the surface; the medium matches the ordinary index
+    let tilt: f64 = 0.6;
+    let axis = Vector3::new(tilt.sin(), 0.0, tilt.cos());
+    let crystal = Crystal::uniaxial(1.54.into(), 1.60.into(), axis).unwrap();
+    let layers = vec![CrystalLayer {
+        crystal,
+        thickness: 5e-6,
+    }];
+    let coherent = InternalReflections::Coherent;
+    let plate = Boundary::Crystal(CrystalPlate::new(1.54, layers, 1.54.into(), coherent).unwrap());
+    let surface = Surface::of_phases(plate, Flat);
+    let off = |i: Vector3<f64>| {
+        let geometry = Geometry::on_plane(i, -i, green()).unwrap();
+        let geometry = geometry.between(1.54, 1.54).unwrap();
+        let frame = Frame::with_x_across(-i, Vector3::z()).unwrap();
+        let beams = surface
+            .specular(&geometry, frame, Tolerance::ROUNDING)
+            .unwrap();
+        (beams[0].mueller.to_matrix() - Mueller::identity().to_matrix()).amax()
+    };
+    // light travels along (sin, 0, −cos) in space, (sin, 0, cos) in the plate; errors of 4 ε k₀ d |M| = 3e-13
+    assert!(off(Vector3::new(-tilt.sin(), 0.0, tilt.cos())) < 1e-12);
+    assert!(off(Vector3::new(tilt.sin(), 0.0, tilt.cos())) > 0.1);
+}
+
+#[test]
+fn the_cap_is_reciprocal() {
+    let tolerance = Tolerance::relative(1e-2).unwrap();
+    let surface = Surface::of_heights(dielectric(), heights(0.3, 3.0))
+        .with_cap(green(), 1.0, Passage::Reflection, tolerance)
+        .unwrap()
+        .with_cap(green(), 1.0, Passage::TransmissionInto(1.5), tolerance)
+        .unwrap();
+    let free = Surface::of_heights(dielectric(), heights(0.3, 3.0));
+    let light = IncidentCoherence::plane_wave();
+    for (i, o) in [
+        (direction(1.45, 0.1), direction(0.9, 3.0)),
+        (direction(0.9, 0.1), direction(1.45, 3.0)),
+        (direction(1.5, 0.0), -direction(0.7, 0.1)),
+        (-direction(0.7, 0.2), direction(1.5, 0.1)),
+    ] {
+        let geometry = between(i, o);
+        let frames = RayFrames::of_surface(&geometry).unwrap();
+        let of = |surface: &Surface<_>, geometry: &Geometry, frames: &RayFrames| {
+            let f = surface.scattering_function(geometry, frames, &light, Tolerance::ROUNDING);
+            f.unwrap() * geometry.n_outgoing().powi(-2)
+        };
+        let there = of(&surface, &geometry, &frames);
+        let back = of(&surface, &geometry.reversed(), &frames.reversed());
+        let scale = there.element(0, 0);
+        let off = (back.to_matrix() - there.reversed().to_matrix()).amax();
+        assert!(scale > 0.0 && off < 1e-11 * scale, "{off} {scale}");
+        if o.z > 0.0 {
+            // one of the two directions is near enough to grazing for the cap
+            assert!(scale < 0.9 * of(&free, &geometry, &frames).element(0, 0));
+        }
+    }
+}
