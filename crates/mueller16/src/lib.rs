@@ -13,6 +13,7 @@ mod geometry;
 mod incident;
 mod interface;
 mod kernel;
+mod lobe;
 mod mode_choice;
 mod openings;
 mod phase_screen;

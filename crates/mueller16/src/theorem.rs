@@ -344,7 +344,7 @@ fn sums(
 
 /// `F{R Σ c_ab h_a h_b(V·)}(φ)` for each series, m².
 #[inline(always)]
-fn integrate<T: Real, const J: usize>(
+pub(crate) fn integrate<T: Real, const J: usize>(
     autocorrelation: &Autocorrelation,
     (root, determinant): (&Matrix2<f64>, f64),
     phi: &Vector2<f64>,
