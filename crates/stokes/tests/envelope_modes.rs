@@ -91,3 +91,68 @@ fn modes_are_their_integrals_in_every_shape() {
     println!("worst {worst:e}");
     assert!(worst > 0.0, "nothing was compared");
 }
+
+/// `∫_disk h_a(y₁) h_b(y₂) d²x`, `y = T (x − origin)`, in polar coordinates: Simpson's rule along radii, the trapezoidal
+/// rule around.
+fn disk_moment(radius: f64, t: &Matrix2<f64>, origin: &Vector2<f64>, [a, b]: [usize; 2]) -> f64 {
+    let (radii, angles) = (400, 200);
+    let step = radius / f64::from(radii);
+    let mut sum = 0.0;
+    for i in 0..=radii {
+        let r = step * f64::from(i);
+        let weight = match i {
+            0 => 1.0,
+            _ if i == radii => 1.0,
+            _ if i % 2 == 1 => 4.0,
+            _ => 2.0,
+        };
+        for j in 0..angles {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(j) / f64::from(angles)).sin_cos();
+            let y = t * (Vector2::new(r * cos, r * sin) - origin);
+            sum += weight * r * stokes::hermite(a, y.x) * stokes::hermite(b, y.y);
+        }
+    }
+    sum * step / 3.0 * std::f64::consts::TAU / f64::from(angles)
+}
+
+#[test]
+fn a_disk_about_another_phase_centre_has_the_modes_of_its_integrals() {
+    let projection = Matrix2::new(1.0, 0.2, -0.1, 0.6);
+    let shape = ShapeMatrix::from_root(&Matrix2::new(0.7, 0.2, -0.3, 0.5)).unwrap();
+    let (radius, order) = (1.3, 6);
+    let disk = Envelope::disk(radius).unwrap();
+    let t = (projection * shape.root().try_inverse().unwrap()).transpose();
+    let scale = std::f64::consts::TAU / shape.root_determinant().sqrt();
+    for origin in [[0.0, 0.0], [0.4, -0.3], [-1.1, 0.9], [3.0, 1.0]] {
+        let origin = Vector2::from(origin);
+        let series = disk
+            .project_about(&origin, &projection, &shape, order)
+            .unwrap();
+        for (a, b) in stokes::modes(order) {
+            let sign = if (a + b) % 2 == 0 { 1.0 } else { -1.0 };
+            let expected = sign * scale * disk_moment(radius, &t, &origin, [a, b]);
+            // Simpson's rule with 400 steps over a few waves: (1/400)⁴ · 10⁴ of numbers of size 10
+            let found = series.real_coefficient(a, b);
+            assert!(
+                (found - expected).abs() < 1e-6,
+                "{origin} {a} {b}: {found} {expected}"
+            );
+        }
+    }
+    // and the far field has the phase of the place
+    let gaussian = Envelope::gaussian(&Matrix2::new(1.0, 0.3, 0.3, 0.8)).unwrap();
+    let origin = Vector2::new(0.3, -0.2);
+    let series = gaussian
+        .project_about(&origin, &projection, &shape, 40)
+        .unwrap();
+    let w = Vector2::new(0.4, -0.7);
+    let phase = num_complex::Complex64::cis((projection * w).dot(&origin));
+    let expected = gaussian.far_field(&projection, &w) * phase;
+    // widths differ by a factor below 3: 0.8^20 of 40 orders, of squares
+    assert!((series.value(&shape, &w) - expected).norm() < 1e-3 * gaussian.area());
+    assert!((series.value(&shape, &w) - expected.conj()).norm() > 1e-2 * gaussian.area());
+    assert!(
+        disk.project_about(&Vector2::new(f64::NAN, 0.0), &projection, &shape, 2)
+            .is_err()
+    );
+}

@@ -169,6 +169,9 @@ impl Footprint {
 
     /// The coherence of the footprint by its modes, seen from the surface of the geometry.
     ///
+    /// Scaled to 1 at zero separation as every coherence: power is exact, and the transfer to lobes wider than the footprint. Lobes
+    /// narrower than it see truncated modes best as they are, `modes.sum_at_zero() / modes.area()` times as bright.
+    ///
     /// # Errors
     ///
     /// When a root exceeds 1e30/m or the modes add up to nothing positive at 0.
