@@ -144,6 +144,10 @@ impl<'a> Meeting<'a> {
         sums: &mut [f64; J],
     ) -> Option<()> {
         let terms = self.family.terms();
+        if let [term] = terms {
+            let place = self.place::<MODES>(&(phi - term.shift));
+            return self.add_block::<T, 1, J, MODES>(&[*term], &[place], request, sums);
+        }
         let mut shift = Vector2::zeros();
         let mut place = self.place::<MODES>(phi);
         // many Gaussians have one centre
@@ -230,38 +234,45 @@ impl<'a> Meeting<'a> {
         let [r1, r2] = self.squares;
         let delta = self.delta;
         let det_d = self.family.root_determinant().abs();
-        // e^(x/2) leaves nine digits before the largest number, and √x is one that `Real::gaussian` takes
-        let near = 0.9 * T::NEAR.to_f64().powi(2);
-        let reach = near.min(reach);
+        // e^(x/2) leaves room before the largest number, and √x is one that `Real::gaussian` takes
+        let reach = reach.min(0.9 * T::NEAR.to_f64() * T::NEAR.to_f64());
+        // step by step over all lanes, by which each step becomes vector code
+        let rate: [f64; L] = std::array::from_fn(|l| terms[l].rate);
+        let det = rate.map(|m| m * m + m * (r1 + r2) + delta * delta);
+        let inverse = det.map(|det| 1.0 / det);
+        let x: [f64; L] = std::array::from_fn(|l| {
+            0.5 * (rate[l] * places[l].d_squared + places[l].c_squared) * inverse[l]
+        });
+        // not a number counts as far
+        let near = x.map(|x| x <= reach);
+        let t: [f64; L] = std::array::from_fn(|l| if near[l] { x[l] } else { 0.0 }.sqrt());
+        let start = t.map(|t| T::from_f64(t).gaussian());
+        let height = inverse.map(|inverse| TAU * det_d * inverse.sqrt());
+        let scale: [f64; L] = std::array::from_fn(|l| {
+            let factor = terms[l].weight * height[l] * start[l].to_f64();
+            if near[l] { factor } else { 0.0 }
+        });
         let mut lobes = Lobes::<T, L>::default();
-        let mut scale = [0.0; L];
-        let mut least = f64::INFINITY;
-        for l in 0..L {
-            let (m, place) = (terms[l].rate, &places[l]);
-            let det = m * m + m * (r1 + r2) + delta * delta;
-            least = least.min(det);
-            let inverse = 1.0 / det;
-            let x = 0.5 * (m * place.d_squared + place.c_squared) * inverse;
-            // not a number counts as far
-            let is_near = x <= reach;
-            let x = if is_near { x } else { 0.0 };
-            let start = T::from_f64(x.sqrt()).gaussian();
-            let factor = terms[l].weight * TAU * det_d * inverse.sqrt() * start.to_f64();
-            scale[l] = if is_near { factor } else { 0.0 };
-            lobes.start[l] = start;
-            if MODES {
-                let inverse = if is_near { inverse } else { 0.0 };
-                // (m² − δ²) as a product: exact where the two are close
-                let even = (m - delta) * (m + delta);
-                for axis in 0..2 {
-                    let z = (m * place.along[axis] + delta * place.c[axis]) * inverse;
-                    lobes.z[axis][l] = T::from_f64(if is_near { z } else { 0.0 });
-                }
-                lobes.m[0][l] = T::from_f64((even + m * (r2 - r1)) * inverse);
-                lobes.m[1][l] = T::from_f64(-2.0 * m * self.across * inverse);
-                lobes.m[2][l] = T::from_f64((even + m * (r1 - r2)) * inverse);
+        lobes.start = start;
+        if MODES {
+            for axis in 0..2 {
+                let z: [f64; L] = std::array::from_fn(|l| {
+                    let Place { along, c, .. } = places[l];
+                    let z = (rate[l] * along[axis] + delta * c[axis]) * inverse[l];
+                    if near[l] { z } else { 0.0 }
+                });
+                lobes.z[axis] = z.map(T::from_f64);
+            }
+            // (m² − δ²) as a product: exact where the two are close
+            let even = rate.map(|m| (m - delta) * (m + delta));
+            let skew = rate.map(|m| m * (r2 - r1));
+            for l in 0..L {
+                lobes.m[0][l] = T::from_f64((even[l] + skew[l]) * inverse[l]);
+                lobes.m[1][l] = T::from_f64(-2.0 * rate[l] * self.across * inverse[l]);
+                lobes.m[2][l] = T::from_f64((even[l] - skew[l]) * inverse[l]);
             }
         }
+        let least = det.into_iter().fold(f64::INFINITY, f64::min);
         (least >= LEAST_DELTA).then_some((lobes, scale))
     }
 }
