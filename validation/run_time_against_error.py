@@ -190,7 +190,7 @@ def draw_interaction(rows: list[Row], png: Path) -> None:
     right.invert_yaxis()
     right.set_xscale("log")
     right.set_xlabel("time of a transfer, ns (least over rounds)")
-    right.set_title("what is absent costs nothing", fontsize=10)
+    right.set_title("yardsticks, and what is gained by what is absent", fontsize=10)
     for axes in (left, right):
         axes.grid(which="major", linewidth=0.4, alpha=0.5)
     figure.savefig(png, dpi=110)

@@ -252,8 +252,10 @@ impl<'a> Meeting<'a> {
             let factor = terms[l].weight * height[l] * start[l].to_f64();
             if near[l] { factor } else { 0.0 }
         });
-        let mut lobes = Lobes::<T, L>::default();
-        lobes.start = start;
+        let mut lobes = Lobes {
+            start,
+            ..Lobes::<T, L>::default()
+        };
         if MODES {
             for axis in 0..2 {
                 let z: [f64; L] = std::array::from_fn(|l| {
