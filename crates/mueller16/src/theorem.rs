@@ -40,6 +40,11 @@ pub enum InteractionError {
     /// The envelopes.
     #[error(transparent)]
     Envelope(#[from] stokes::EnvelopeError),
+    /// There is no scattered intensity to take a shape from.
+    #[error(
+        "interaction: the matter scatters no intensity (0 → 0), expected some: it has no shape"
+    )]
+    Dark,
     /// A delta met light without width.
     #[error(
         "interaction: an autocorrelation that does not decay meets light without angular width (det V = {determinant}): \
@@ -99,7 +104,7 @@ impl Energy {
 /// The real numbers `T_lj` of one encounter: outgoing Stokes parameters per incident ones, one matrix for each envelope.
 ///
 /// `T_lj = (n_o²/λ₀²) F{R^(j→l) γ}(φ_t)`, in 1/sr: the bidirectional scattering function without its obliquity.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Transfer(SmallVec<[Matrix4<f64>; 1]>);
 
 impl Transfer {
@@ -113,6 +118,16 @@ impl Transfer {
     #[must_use]
     pub fn total(&self) -> Mueller {
         self.0.iter().sum::<Matrix4<f64>>().into()
+    }
+
+    /// Adds `factor` times another.
+    pub(crate) fn add(&mut self, factor: f64, other: &Self) {
+        if self.0.len() < other.0.len() {
+            self.0.resize(other.0.len(), Matrix4::zeros());
+        }
+        for (mine, more) in self.0.iter_mut().zip(&other.0) {
+            *mine += more * factor;
+        }
     }
 }
 
@@ -346,7 +361,7 @@ fn sums(
 
 /// `F{R Σ c_ab h_a h_b(V·)}(φ)` for each series, m².
 #[inline(always)]
-fn integrate<T: Real, const J: usize>(
+pub(crate) fn integrate<T: Real, const J: usize>(
     autocorrelation: &Autocorrelation,
     (root, determinant): (&Matrix2<f64>, f64),
     phi: &Vector2<f64>,
