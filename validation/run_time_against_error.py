@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Time against error of the Hermite-Gauss evaluation: measures, keeps the CSV, draws the PNG.
+"""Time against error of Hermite-Gauss series and of the interaction: measures, keeps CSV, draws PNG.
 
     python3 validation/run_time_against_error.py [-o DIR]
 
-Runs the example `run_time_against_error` of crate `stokes` (release build) and writes
-run_time_against_error.csv and .png to docs/, or to DIR.  `--csv FILE` draws an earlier CSV instead
-of measuring.  Needs what run.py needs and uses its virtual environment.  Measure on a quiet
+Runs the examples `run_time_against_error` of crate `stokes` and `interaction_run_time` of crate
+`mueller16` (release build) and writes a .csv and a .png of each name to docs/, or to DIR.  `--csv FILE`
+draws an earlier CSV of the first instead of measuring, `--interaction-csv FILE` one of the second.  Needs what run.py needs and uses its virtual environment.  Measure on a quiet
 machine: the figures are medians of rounds in which the contestants take turns, so that ratios hold
 on a busy one too, but times do not.
 """
@@ -26,6 +26,11 @@ if TYPE_CHECKING:
 
 NAME = "run_time_against_error"
 EXAMPLE = ["cargo", "run", "--release", "-p", "stokes", "--example", NAME, "--"]
+
+INTERACTION = "interaction_run_time"
+INTERACTION_EXAMPLE = [
+    "cargo", "run", "--release", "-p", "mueller16", "--example", INTERACTION, "--",
+]  # fmt: skip
 
 Row = dict[str, str]
 
@@ -150,6 +155,58 @@ def draw(rows: list[Row], png: Path) -> None:
     figure.savefig(png, dpi=110)
 
 
+def draw_interaction(rows: list[Row], png: Path) -> None:
+    """Draw time against error of the interaction, and what is gained by what is absent."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    figure, (left, right) = pyplot.subplots(1, 2, figsize=(13, 5.6), layout="constrained")
+    for part, style, marker in (("order", "-", "o"), ("rough", "--", "s"), ("grating", ":", "^")):
+        chosen = [r for r in rows if r["part"] == part and r["error"] and r["number"] == "f64"]
+        for name in dict.fromkeys(r["name"] for r in chosen):
+            line = [r for r in chosen if r["name"] == name and float(r["error"]) > 0]
+            # the last row of a rough surface is the limit of great roughness, no sum
+            if part == "rough":
+                line = line[:-1]
+            axis = [float(r["error"]) for r in line]
+            left.plot(
+                axis, [float(r["least_ns"]) for r in line],
+                linestyle=style, marker=marker, markersize=4, label=f"{part}: {name}",
+            )  # fmt: skip
+    left.set_xscale("log")
+    left.set_yscale("log")
+    left.invert_xaxis()
+    left.set_xlabel("largest error / largest value of the lobe")
+    left.set_ylabel("time of a transfer, ns (least over rounds)")
+    left.legend(fontsize=7)
+    left.set_title("time against error: order, Gaussians, orders of a grating", fontsize=10)
+    bars = [r for r in rows if r["part"] in ("yardstick", "channels", "skip", "layers")]
+    labels = [f"{r['part']}: {r['name']}, N = {r['order']}" for r in bars]
+    places = range(len(bars))
+    right.barh(places, [float(r["least_ns"]) for r in bars], color="#0072B2")
+    right.set_yticks(places, labels, fontsize=7)
+    right.invert_yaxis()
+    right.set_xscale("log")
+    right.set_xlabel("time of a transfer, ns (least over rounds)")
+    right.set_title("yardsticks, and what is gained by what is absent", fontsize=10)
+    for axes in (left, right):
+        axes.grid(which="major", linewidth=0.4, alpha=0.5)
+    figure.savefig(png, dpi=110)
+
+
+def rows_of(example: list[str], given: Path | None, table: Path) -> list[Row]:
+    """Measure, or copy an earlier CSV, and return its rows."""
+    if given is None:
+        if subprocess.run([*example, str(table)], cwd=run.ROOT).returncode != 0:
+            fail("the example failed")
+    elif given.resolve() != table:
+        shutil.copyfile(given, table)
+    with table.open(encoding="utf-8", newline="") as lines:
+        return list(csv.DictReader(line for line in lines if not line.startswith("#")))
+
+
 def main() -> int:
     """Measure, copy, draw."""
     parser = argparse.ArgumentParser(
@@ -157,20 +214,21 @@ def main() -> int:
     )
     parser.add_argument("-o", metavar="DIR", type=Path, default=run.ROOT / "docs")
     parser.add_argument("--csv", metavar="FILE", type=Path, help="draw this one, measure nothing")
+    parser.add_argument(
+        "--interaction-csv", metavar="FILE", type=Path, help="the same for the interaction"
+    )
     args = parser.parse_args()
     in_environment()
     args.o.mkdir(parents=True, exist_ok=True)
-    table = (args.o / f"{NAME}.csv").resolve()
-    if args.csv is None:
-        if subprocess.run([*EXAMPLE, str(table)], cwd=run.ROOT).returncode != 0:
-            fail("the example failed")
-    elif args.csv.resolve() != table:
-        shutil.copyfile(args.csv, table)
-    with table.open(encoding="utf-8", newline="") as lines:
-        rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
-    png = table.with_suffix(".png")
-    draw(rows, png)
-    print(f"wrote {table} and {png}")
+    for name, example, given, picture in (
+        (NAME, EXAMPLE, args.csv, draw),
+        (INTERACTION, INTERACTION_EXAMPLE, args.interaction_csv, draw_interaction),
+    ):
+        table = (args.o / f"{name}.csv").resolve()
+        rows = rows_of(example, given, table)
+        png = table.with_suffix(".png")
+        picture(rows, png)
+        print(f"wrote {table} and {png}")
     return 0
 
 

@@ -144,6 +144,10 @@ impl<'a> Meeting<'a> {
         sums: &mut [f64; J],
     ) -> Option<()> {
         let terms = self.family.terms();
+        if let [term] = terms {
+            let place = self.place::<MODES>(&(phi - term.shift));
+            return self.add_block::<T, 1, J, MODES>(&[*term], &[place], request, sums);
+        }
         let mut shift = Vector2::zeros();
         let mut place = self.place::<MODES>(phi);
         // many Gaussians have one centre
@@ -230,38 +234,47 @@ impl<'a> Meeting<'a> {
         let [r1, r2] = self.squares;
         let delta = self.delta;
         let det_d = self.family.root_determinant().abs();
-        // e^(x/2) leaves nine digits before the largest number, and √x is one that `Real::gaussian` takes
-        let near = 0.9 * T::NEAR.to_f64().powi(2);
-        let reach = near.min(reach);
-        let mut lobes = Lobes::<T, L>::default();
-        let mut scale = [0.0; L];
-        let mut least = f64::INFINITY;
-        for l in 0..L {
-            let (m, place) = (terms[l].rate, &places[l]);
-            let det = m * m + m * (r1 + r2) + delta * delta;
-            least = least.min(det);
-            let inverse = 1.0 / det;
-            let x = 0.5 * (m * place.d_squared + place.c_squared) * inverse;
-            // not a number counts as far
-            let is_near = x <= reach;
-            let x = if is_near { x } else { 0.0 };
-            let start = T::from_f64(x.sqrt()).gaussian();
-            let factor = terms[l].weight * TAU * det_d * inverse.sqrt() * start.to_f64();
-            scale[l] = if is_near { factor } else { 0.0 };
-            lobes.start[l] = start;
-            if MODES {
-                let inverse = if is_near { inverse } else { 0.0 };
-                // (m² − δ²) as a product: exact where the two are close
-                let even = (m - delta) * (m + delta);
-                for axis in 0..2 {
-                    let z = (m * place.along[axis] + delta * place.c[axis]) * inverse;
-                    lobes.z[axis][l] = T::from_f64(if is_near { z } else { 0.0 });
-                }
-                lobes.m[0][l] = T::from_f64((even + m * (r2 - r1)) * inverse);
-                lobes.m[1][l] = T::from_f64(-2.0 * m * self.across * inverse);
-                lobes.m[2][l] = T::from_f64((even + m * (r1 - r2)) * inverse);
+        // e^(x/2) leaves room before the largest number, and √x is one that `Real::gaussian` takes
+        let reach = reach.min(0.9 * T::NEAR.to_f64() * T::NEAR.to_f64());
+        // step by step over all lanes, by which each step becomes vector code
+        let rate: [f64; L] = std::array::from_fn(|l| terms[l].rate);
+        let det = rate.map(|m| m * m + m * (r1 + r2) + delta * delta);
+        let inverse = det.map(|det| 1.0 / det);
+        let x: [f64; L] = std::array::from_fn(|l| {
+            0.5 * (rate[l] * places[l].d_squared + places[l].c_squared) * inverse[l]
+        });
+        // not a number counts as far
+        let near = x.map(|x| x <= reach);
+        let t: [f64; L] = std::array::from_fn(|l| if near[l] { x[l] } else { 0.0 }.sqrt());
+        let start = t.map(|t| T::from_f64(t).gaussian());
+        let height = inverse.map(|inverse| TAU * det_d * inverse.sqrt());
+        let scale: [f64; L] = std::array::from_fn(|l| {
+            let factor = terms[l].weight * height[l] * start[l].to_f64();
+            if near[l] { factor } else { 0.0 }
+        });
+        let mut lobes = Lobes {
+            start,
+            ..Lobes::<T, L>::default()
+        };
+        if MODES {
+            for axis in 0..2 {
+                let z: [f64; L] = std::array::from_fn(|l| {
+                    let Place { along, c, .. } = places[l];
+                    let z = (rate[l] * along[axis] + delta * c[axis]) * inverse[l];
+                    if near[l] { z } else { 0.0 }
+                });
+                lobes.z[axis] = z.map(T::from_f64);
+            }
+            // (m² − δ²) as a product: exact where the two are close
+            let even = rate.map(|m| (m - delta) * (m + delta));
+            let skew = rate.map(|m| m * (r2 - r1));
+            for l in 0..L {
+                lobes.m[0][l] = T::from_f64((even[l] + skew[l]) * inverse[l]);
+                lobes.m[1][l] = T::from_f64(-2.0 * rate[l] * self.across * inverse[l]);
+                lobes.m[2][l] = T::from_f64((even[l] - skew[l]) * inverse[l]);
             }
         }
+        let least = det.into_iter().fold(f64::INFINITY, f64::min);
         (least >= LEAST_DELTA).then_some((lobes, scale))
     }
 }
@@ -301,201 +314,4 @@ fn cancelling(a: &[f64], b: &[f64], c: &[f64], d: &[f64], sums: &mut [f64]) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use num_complex::Complex64;
-
-    const ROOT: Matrix2<f64> = Matrix2::new(1.1, 0.4, -0.3, 0.8);
-    const LIGHT: Matrix2<f64> = Matrix2::new(0.7, -0.5, 0.2, 0.9);
-
-    fn sum_in<T: Real>(
-        family: &GaussianFamily,
-        v: &Matrix2<f64>,
-        phi: &Vector2<f64>,
-        series: &HermiteSeries,
-        tolerance: Option<Tolerance>,
-    ) -> f64 {
-        let request = Request::new([Some(series)], tolerance);
-        let mut sums = [0.0];
-        let meeting = Meeting::new(family, v, plane::determinant(v));
-        meeting.add::<T, 1>(phi, &request, &mut sums).unwrap();
-        sums[0]
-    }
-
-    fn ramp(order: usize) -> HermiteSeries {
-        let s: Vec<_> = (0..stokes::mode_count(order))
-            .map(|i| (i as f64 + 0.3).sin())
-            .collect();
-        HermiteSeries::from_real_coefficients(&s).unwrap()
-    }
-
-    /// `∫ e^(−xᵀS⁻¹x/2) h_a h_b(Vx) e^(−iφ·x) d²x` by the trapezoidal rule.
-    fn quadrature(
-        s: &Matrix2<f64>,
-        v: &Matrix2<f64>,
-        phi: &Vector2<f64>,
-        [a, b]: [usize; 2],
-    ) -> Complex64 {
-        let (half, step) = (240_i32, 0.05);
-        let inverse = plane::inverse(s);
-        let mut sum = Complex64::ZERO;
-        for i in -half..=half {
-            for j in -half..=half {
-                let x = Vector2::new(f64::from(i), f64::from(j)) * step;
-                let y = v * x;
-                let f = (-0.5 * x.dot(&(inverse * x))).exp()
-                    * stokes::hermite(a, y.x)
-                    * stokes::hermite(b, y.y);
-                sum += Complex64::cis(-phi.dot(&x)) * f;
-            }
-        }
-        sum * step * step
-    }
-
-    #[test]
-    fn modes_are_the_fourier_integral() {
-        let phi = Vector2::new(1.3, -0.6);
-        let term = GaussianTerm {
-            weight: 1.0,
-            rate: 1.7,
-            shift: Vector2::new(0.4, 0.3),
-        };
-        // and with axes of light and matter along each other
-        let apart = (
-            Matrix2::new(1.1, 0.0, 0.0, 0.6),
-            Matrix2::new(0.7, 0.0, 0.0, -0.9),
-        );
-        for (root, v) in [(ROOT, LIGHT), apart] {
-            let family = GaussianFamily::new(&root, [term]).unwrap();
-            let s = root.transpose() * root / 1.7;
-            for [a, b] in [
-                [0, 0],
-                [1, 0],
-                [0, 1],
-                [2, 0],
-                [1, 1],
-                [3, 2],
-                [0, 5],
-                [4, 3],
-            ] {
-                let mut series = vec![0.0; stokes::mode_count(a + b)];
-                series[stokes::mode_index(a, b)] = 1.0;
-                let series = HermiteSeries::from_real_coefficients(&series).unwrap();
-                let g = sum_in::<f64>(&family, &v, &phi, &series, None);
-                let expected = quadrature(&s, &v, &(phi - term.shift), [a, b]);
-                let found = Complex64::new(0.0, -1.0).powu((a + b) as u32) * g;
-                // the trapezoidal rule is exact for a Gaussian to e^(−π²/(h² K⁻¹)); 231,361 roundings of numbers ≤ 0.6
-                assert!(
-                    (found - expected).norm() < 1e-13,
-                    "{a} {b}: {found} {expected}"
-                );
-            }
-        }
-    }
-
-    fn terms(count: usize) -> Vec<GaussianTerm> {
-        (0..count)
-            .map(|i| {
-                let i = i as f64;
-                GaussianTerm {
-                    weight: (i + 0.5).cos(),
-                    rate: 0.3 + i,
-                    // some with a common centre
-                    shift: Vector2::new((0.5 * i).floor(), -0.3 * (0.5 * i).floor()),
-                }
-            })
-            .collect()
-    }
-
-    #[test]
-    fn a_family_is_the_sum_of_its_gaussians_bit_by_bit() {
-        let phi = Vector2::new(1.3, -0.6);
-        for order in [0, 3, 20] {
-            let series = ramp(order);
-            for count in [1, 2, 4, 5, 11] {
-                let terms = terms(count);
-                let of = |terms: &[GaussianTerm]| {
-                    let family = GaussianFamily::new(&ROOT, terms.iter().copied()).unwrap();
-                    sum_in::<f64>(&family, &LIGHT, &phi, &series, None)
-                };
-                let one_by_one = terms.chunks(1).fold(0.0, |sum, term| sum + of(term));
-                assert_eq!(of(&terms), one_by_one, "{order} {count}");
-            }
-        }
-    }
-
-    #[test]
-    fn what_a_tolerance_leaves_out_is_below_it() {
-        let mut left_out = 0;
-        for order in [0, 1, 4, 9, 30] {
-            let series = ramp(order);
-            let norm: f64 = series.real_coefficients().iter().map(|s| s.abs()).sum();
-            for tolerance in [1e-12, 1e-6, 1e-2] {
-                for step in 0..60 {
-                    let phi = Vector2::new(0.3, 0.5) * f64::from(step);
-                    for v in [LIGHT, LIGHT * 30.0, LIGHT * 0.01] {
-                        let family =
-                            GaussianFamily::new(&ROOT, [GaussianTerm::centred(2.0, 1.7)]).unwrap();
-                        let asked = Some(Tolerance::relative(tolerance).unwrap());
-                        let found = sum_in::<f64>(&family, &v, &phi, &series, asked);
-                        let whole = sum_in::<f64>(&family, &v, &phi, &series, None);
-                        let flat = HermiteSeries::fundamental(1.0);
-                        let peak = sum_in::<f64>(&family, &v, &Vector2::zeros(), &flat, None);
-                        let limit = tolerance * norm * peak;
-                        assert!((found - whole).abs() <= limit, "{order} {tolerance} {phi}");
-                        left_out += usize::from(found == 0.0 && whole != 0.0);
-                    }
-                }
-            }
-        }
-        assert!(left_out > 500, "{left_out}");
-    }
-
-    #[test]
-    fn single_precision_is_good_to_2e_5_of_the_lobe() {
-        for order in [0, 1, 4, 8, 16, 33, 64] {
-            let series = ramp(order);
-            let norm: f64 = series.real_coefficients().iter().map(|s| s.abs()).sum();
-            for v in [LIGHT, LIGHT * 30.0, LIGHT * 0.03] {
-                let family = GaussianFamily::new(&ROOT, terms(7)).unwrap();
-                let peak: f64 = terms(7)
-                    .into_iter()
-                    .map(|t| {
-                        let centred = GaussianTerm::centred(t.weight.abs(), t.rate);
-                        let family = GaussianFamily::new(&ROOT, [centred]).unwrap();
-                        let flat = HermiteSeries::fundamental(1.0);
-                        sum_in::<f64>(&family, &v, &Vector2::zeros(), &flat, None)
-                    })
-                    .sum();
-                for step in 0..40 {
-                    let phi = Vector2::new(0.31, -0.47) * f64::from(step);
-                    let single = sum_in::<f32>(&family, &v, &phi, &series, None);
-                    let double = sum_in::<f64>(&family, &v, &phi, &series, None);
-                    let error = (single - double).abs() / (peak * norm);
-                    assert!(error < 2e-5, "{order} {phi}: {error:e}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn a_delta_is_refused_and_no_distance_makes_nonsense() {
-        let family = GaussianFamily::new(&ROOT, [GaussianTerm::centred(1.0, 0.0)]).unwrap();
-        let flat = HermiteSeries::fundamental(1.0);
-        let request = Request::new([Some(&flat)], None);
-        for v in [Matrix2::zeros(), Matrix2::new(1.0, 0.0, 0.0, 0.0)] {
-            let meeting = Meeting::new(&family, &v, 0.0);
-            assert_eq!(
-                meeting.add::<f64, 1>(&Vector2::zeros(), &request, &mut [0.0]),
-                None
-            );
-        }
-        for far in [1e3, 1e30, 1e200, f64::MAX, f64::INFINITY] {
-            for v in [LIGHT, LIGHT * 1e20] {
-                let phi = Vector2::new(far, -far);
-                let found = sum_in::<f64>(&family, &v, &phi, &ramp(6), None);
-                assert!(found.is_finite(), "{far}");
-            }
-        }
-    }
-}
+mod tests;

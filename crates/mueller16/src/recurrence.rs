@@ -118,20 +118,19 @@ impl<'a, const J: usize> Modes<'a, J> {
         // row b over row 0, where they are multiples
         let (mut multiple, mut earlier) = ([T::one(); L], [T::zero(); L]);
         for b in 0..count {
-            for j in 0..J {
+            for (j, sum) in sums.iter_mut().enumerate() {
                 let along = self.along(j, b, row);
                 for l in 0..L {
-                    sums[j][l] += if ACROSS {
+                    sum[l] += if ACROSS {
                         along[l]
                     } else {
                         along[l] * multiple[l]
                     };
                 }
             }
-            if b + 1 == count {
+            let Some([up, down]) = steps.get(b).filter(|_| b + 1 < count).copied() else {
                 break;
-            }
-            let [up, down] = steps[b];
+            };
             let (along, back) = (z2.map(|z| up * z), m22.map(|m| m * down));
             if !ACROSS {
                 for l in 0..L {
@@ -161,14 +160,14 @@ impl<'a, const J: usize> Modes<'a, J> {
     fn along<T: Real, const L: usize>(&self, j: usize, b: usize, row: &[[T; L]]) -> [T; L] {
         let (s, stride) = (self.coefficients[j], self.strides[j]);
         let mut sum = [T::zero(); L];
-        for a in 0..self.counts[j].saturating_sub(b).min(row.len()) {
-            if stride == 2 && (a + b) % 2 == 1 {
-                continue;
-            }
+        let end = self.counts[j].saturating_sub(b).min(row.len());
+        let mut a = b & (stride - 1);
+        while a < end {
             let s = T::from_f64(s[stokes::mode_index(a, b)]);
             for l in 0..L {
                 sum[l] += s * row[a][l];
             }
+            a += stride;
         }
         sum
     }
