@@ -34,7 +34,7 @@ use crate::relief::Relief;
 /// let (r, chosen) = surface.autocorrelation(2e7, Tolerance::relative(1e-6)?)?;
 /// assert!((r.delta_weight() - 0.367_879_441).abs() < 1e-9);
 /// // e^(−(1−e^(−1))) at one correlation length
-/// assert!((r.value(&Vector2::new(0.0, 4e-6)).re - 0.531_464_1).abs() < 1e-6);
+/// assert!((r.value(&Vector2::new(0.0, 4e-6)).re - 0.531_463_6).abs() < 1e-6);
 /// assert!(chosen.error < 1e-6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
