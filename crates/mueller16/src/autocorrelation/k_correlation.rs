@@ -167,8 +167,8 @@ impl KCorrelation {
     /// R as a sum of Gaussians of positive weight, and what was chosen for the tolerance.
     ///
     /// The error holds over the lobe's largest value everywhere, and over the lobe itself for `|Dq|` up to the reach (up
-    /// to `10/inner` where that is less, and where the lobe is more than 1e-250 of its largest value). `R(0) = 1` to
-    /// rounding.
+    /// to `10/inner` where that is less, and where the lobe is more than 1e-250 of its largest value); hence for light of any
+    /// angular width within the reach. `R(0) = 1` to rounding.
     ///
     /// # Errors
     ///

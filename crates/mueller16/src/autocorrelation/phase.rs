@@ -6,7 +6,10 @@
 //! |F{R − R̃}(q)| ≤ 2π |det D| ∫ |R − R̃| u du
 //! ```
 //!
-//! at every q, and equality for one sign at `q = 0`, where the lobe `2π |det D| ∫ (R − e^(−g)) u du` has its largest value.
+//! at every q; the lobe's largest value, at `q = 0`, is the same integral of `R − e^(−g)`. For light whose coherence γ is
+//! positive and falls with u, both integrals are averages of those over disks, so that their ratio is at most the largest
+//! ratio over a disk. It is taken over all disks down to a tenth of the lobe's own, `√τ/5` with `2τ = ∫ (R − e^(−g)) u du`:
+//! the error is that for light of at most ten times the lobe's angular width, the plane wave included.
 
 use nalgebra::Matrix2;
 
@@ -43,6 +46,8 @@ pub(super) struct Diffuse {
     samples: Vec<[f64; 3]>,
     /// `∫ (R − e^(−g)) u du`
     pub(super) area: f64,
+    /// `1 − e^(−g)`
+    total: f64,
 }
 
 impl Diffuse {
@@ -64,7 +69,12 @@ impl Diffuse {
                 break;
             }
         }
-        Self { samples, area }
+        let total = -(-g).exp_m1();
+        Self {
+            samples,
+            area,
+            total,
+        }
     }
 
     /// `u²` beyond which this share of the lobe at 0 lies.
@@ -77,13 +87,19 @@ impl Diffuse {
         place.map_or(f64::INFINITY, |place| self.samples[place][0])
     }
 
-    /// Bound on the lobe's error over its largest value for this measure of rates.
+    /// Bound on the lobe's error over its largest value for this measure of rates, in the light that is meant above.
     pub(super) fn error(&self, points: &[Point]) -> f64 {
-        let errors = self.samples.iter().map(|&[u2, value, weight]| {
+        let least = self.area / 50.0;
+        let (mut off, mut whole, mut worst) = (0.0, 0.0, 0.0_f64);
+        for &[u2, value, weight] in self.samples.iter().rev() {
             let sum: f64 = points.iter().map(|[m, w]| w * (-0.5 * m * u2).exp()).sum();
-            (sum - value).abs() * weight
-        });
-        errors.sum::<f64>() / self.area
+            off += (sum - value).abs() * weight;
+            whole += value * weight;
+            if u2 >= least / self.total {
+                worst = worst.max(off / whole);
+            }
+        }
+        worst
     }
 }
 
