@@ -288,7 +288,10 @@ fn what_is_no_encounter_of_light_with_matter_is_named() {
             with("/s", json!(1e-9)),
             "key 's': light: distance 0.000000001 m",
         ),
-        (with("/r", json!(1e-9)), "key 'r': light: distance 0.000000001 m"),
+        (
+            with("/r", json!(1e-9)),
+            "key 'r': light: distance 0.000000001 m",
+        ),
         (
             with("/xi", json!([])),
             "key 'xi': found no separation, expected at least one",
