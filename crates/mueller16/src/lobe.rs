@@ -7,6 +7,7 @@ use stokes::{Frame, HermiteSeries, ShapeMatrix, plane};
 use crate::autocorrelation::Autocorrelation;
 use crate::geometry::Geometry;
 use crate::incident::incident_map;
+use crate::kernel::Request;
 use crate::theorem::{InteractionError, integrate};
 
 impl Geometry {
@@ -74,7 +75,8 @@ impl Autocorrelation {
         let root = plane::product(shape.root(), map);
         // better than that of the product, whose entries are rounded
         let determinant = plane::determinant(shape.root()) * plane::determinant(map);
-        let [sum] = integrate(self, (&root, determinant), phi, [Some(series)])?;
+        let request = Request::new([Some(series)], None);
+        let [sum] = integrate::<f64, 1>(self, (&root, determinant), phi, &request)?;
         Ok(sum * shape.root_determinant().sqrt())
     }
 }
