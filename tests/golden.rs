@@ -167,16 +167,19 @@ fn every_golden_number_is_found_in_single_precision() {
     }
 }
 
-/// One small case of every operation, taken from the golden files.
+/// The shortest case of every operation in the golden files.
 fn one_case_each() -> String {
-    let mut cases = BTreeMap::new();
+    let mut cases: BTreeMap<String, Value> = BTreeMap::new();
     for file in FILES {
         let text = fs::read_to_string(golden(file)).unwrap();
         let golden: Value = serde_json::from_str(&text).unwrap();
         for case in golden["cases"].as_array().unwrap() {
             let case = json!({"id": case["id"], "op": case["op"], "inputs": case["inputs"]});
             let op = case["op"].as_str().unwrap().to_owned();
-            cases.entry(op).or_insert(case);
+            let known = cases.entry(op).or_insert_with(|| case.clone());
+            if case.to_string().len() < known.to_string().len() {
+                *known = case;
+            }
         }
     }
     let own: Vec<Value> = serde_json::from_str(OWN).unwrap();

@@ -12,7 +12,8 @@ are defined; the double integrals do not know that G is a product.  A seed makes
 Differences are relative to the sum of moduli that a quadrature adds up.  The rules' own errors are
 rows of their own, from a second grid of another step and place, and must stay below half the bound.
 Bounds: of lobes the rounding, as `light.py` has it, times the condition number of W and B; of
-double integrals 1e-10, since steps and ends of the 40⁴ points drop exp(−23) of Gaussians this wide.
+double integrals 1e-10, since steps and ends of the 46⁴ points drop exp(−30) of Gaussians this wide,
+times cubes of their arguments; of those over the difference alone 1e-12.
 """
 
 import sys

@@ -12,6 +12,8 @@ from light_grids import modes, turn
 
 Spec = dict[str, Any]
 Generator = np.random.Generator
+# singular values of the root V = WB of the light over the surface
+LIGHT = (0.55, 0.8)
 KINDS = ("constant", "gaussian", "gaussian_sum", "grating", "rough")
 
 
@@ -29,6 +31,12 @@ def root(rng: Generator, low: float, high: float) -> Array:
     return left @ np.diag(rng.uniform(low, high, 2)) @ right @ np.diag([1, rng.choice([-1, 1])])
 
 
+def aside(rng: Generator, most: float) -> Array:
+    """Return a vector of at most this length."""
+    angle = rng.uniform(0, 2 * np.pi)
+    return most * np.sqrt(rng.random()) * np.array([np.cos(angle), np.sin(angle)])
+
+
 def autocorrelation(rng: Generator, kind: str, unit: float) -> Spec:
     """Return an autocorrelation that is no narrower than the length `unit` or so."""
     area = unit * unit
@@ -42,7 +50,7 @@ def autocorrelation(rng: Generator, kind: str, unit: float) -> Spec:
             spec |= {"weights": rng.normal(size=3), "S_list": shapes}
         case "grating":
             spec |= {"S": area * covariance(rng, 1.5, 6.0), "orders": rng.normal(size=3)}
-            spec |= {"G": rng.normal(size=2) * 0.5 / unit}
+            spec |= {"G": aside(rng, 0.7) / unit}
         case "rough":
             spec |= {"g": rng.uniform(0.2, 1.5), "l": unit * rng.uniform(2.0, 3.0)}
     return spec
@@ -121,7 +129,7 @@ def encounter(rng: Generator, envelope: str) -> tuple[Spec, float]:
     # directions in the axes of a surface that lies anywhere; the lobe is a few 1/L wide
     theta, azimuth = rng.uniform(0.0, 1.2), rng.uniform(0, 2 * np.pi)
     incident = np.sin(theta) * np.array([np.cos(azimuth), np.sin(azimuth)])
-    leaving = rng.normal(size=2) * 0.7 / (k * unit) - incident
+    leaving = aside(rng, 1.2) / (k * unit) - incident
     local = [np.append(d, np.sqrt(1 - d @ d)) for d in (incident, leaving)]
     placed = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     placed *= np.sign(np.linalg.det(placed))
@@ -129,8 +137,8 @@ def encounter(rng: Generator, envelope: str) -> tuple[Spec, float]:
     t = placed[:, :2].T
     e_in, e_out = across(to_source, rng), across(to_observer, rng)
     b = k / s * e_in @ t.T
-    light = root(rng, 0.45, 0.8) / unit @ np.linalg.inv(b)
-    separations = np.vstack([np.zeros(2), rng.normal(size=(2, 2))]) * r / (k * unit)
+    light = root(rng, *LIGHT) / unit @ np.linalg.inv(b)
+    separations = np.vstack([np.zeros(2), aside(rng, 1.6), aside(rng, 1.6)]) * r / (k * unit)
     channels = [
         [
             autocorrelation(rng, KINDS[rng.integers(5)], unit) if rng.random() < 0.8 else None

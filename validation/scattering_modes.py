@@ -15,7 +15,7 @@ ENVELOPES = ("gaussian", "gaussian_mixture", "rect", "disk")
 EXTENT, STEPS = 9.6, 0.4
 # steps of the differences, in whitened units
 STEP_LONG, STEP_SHORT = 0.08, 0.04
-# tenth derivative of ln|C_0| along these lines: Σ 10!/(5 j^10) over the zeros j of 2J₁(z)/z at
+# tenth derivative of ln|C_l| along these lines: Σ 10!/(5 j^10) over the zeros j of 2J₁(z)/z at
 # z = 2√2 y, for a disk; of sin(z)/z a tenth of it, and Gaussians have none
 TENTH = 4e4
 # weights of the central difference of the second derivative, error of the 8th order in the step
@@ -64,19 +64,20 @@ def projections(program: Program, seed: int) -> Rows:
 
 
 def hessian(program: Program, inputs: dict[str, Any], root: Array, step: float) -> Array:
-    """Return the second derivatives of ln|C_0| by y, from central differences along three lines."""
+    """Return the second derivatives of ln|C_l| by y, l the strongest, on three lines."""
     lines = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
     offsets = np.arange(-4, 5) * step
     y = (offsets[None, :, None] * lines[:, None, :]).reshape(-1, 2)
     [found] = program([with_separations(inputs, whitened(inputs, root, y))])
-    logs = np.log(np.abs(np.array(found["C_samples"])[:, 0])).reshape(3, 9)
+    strongest = np.argmax(np.abs(found["S"]))
+    logs = np.log(np.abs(np.array(found["C_samples"])[:, strongest])).reshape(3, 9)
     along_x, along_y, along_both = logs @ SECOND / step**2
     across = 0.5 * (along_both - along_x - along_y)
     return np.array([[along_x, across], [across, along_y]])
 
 
 def shapes(program: Program, seed: int) -> Rows:
-    """Θ⁻¹ = −Hess ln|C_0| at 0."""
+    """Θ⁻¹ = −Hess ln|C_l| at 0."""
     for inputs in cases(seed):
         [known] = program([("interaction", inputs)])
         root = np.array(known["W_out"])
@@ -88,5 +89,5 @@ def shapes(program: Program, seed: int) -> Rows:
         # rounding: the weights' moduli add up to 7, |ln C| moves by ε; the rule leaves h⁸/3150 of
         # the tenth derivative
         bound = 4 * STEP * EPS * 7 / STEP_SHORT**2 + STEP_SHORT**8 / 3150 * TENTH
-        yield f"Θ⁻¹ = −Hess ln|C_0|, {kind}", abs(-nearer @ found - np.eye(2)).max(), bound
+        yield f"Θ⁻¹ = −Hess ln|C_l|, {kind}", abs(-nearer @ found - np.eye(2)).max(), bound
         yield "  between two steps", abs(near - nearer).max(), bound + STEP_LONG**8 / 3150 * TENTH
