@@ -1,5 +1,4 @@
 //! Gaussian heights against the full Poisson sum of their phase, for plane waves and for light of any coherence.
-#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use mueller16::{Approximation, GaussianHeights, GaussianTerm, Method, Relief, Tolerance};
 use nalgebra::{Matrix2, Vector2};

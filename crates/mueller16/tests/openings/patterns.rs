@@ -1,5 +1,4 @@
 //! Slits: closed forms, the double integral of Lemma 4.3, signs, reciprocity and errors.
-#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use csdm::{CloudeSpectrum, JonesMatrix};
 use gauss_quad::GaussLegendre;

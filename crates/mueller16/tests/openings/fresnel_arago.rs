@@ -1,5 +1,4 @@
 //! The laws of Fresnel and Arago (1819) on the interference of polarized light, with two slits.
-#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use csdm::JonesMatrix;
 use mueller16::{AngularSpectrum, Opening, Openings};

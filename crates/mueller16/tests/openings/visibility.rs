@@ -1,5 +1,4 @@
 //! Visibility of two slits against the degree of coherence of the light, source by source.
-#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use csdm::JonesMatrix;
 use mueller16::{

@@ -1,11 +1,9 @@
 //! Surfaces with a known answer: smooth ones, mirrors inside, plates, and the theorem itself.
-#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
-
-mod surface_boundaries;
-mod surface_relief;
 
 use std::f64::consts::PI;
 
+use crate::boundaries::{between, crystal, dielectric, gold};
+use crate::relief::{direction, green, heights};
 use csdm::birefringent::{Crystal, CrystalLayer};
 use csdm::film::Layer;
 use mueller16::surface::{
@@ -22,8 +20,6 @@ use stokes::{
     Components, Envelope, Frame, GeneralizedStokes, HermiteSeries, ModeWidth, Mueller, ShapeMatrix,
     StokesVector,
 };
-use surface_boundaries::{between, crystal, dielectric, gold};
-use surface_relief::{direction, green, heights};
 
 #[test]
 fn a_smooth_surface_is_its_interface() {
@@ -341,7 +337,7 @@ fn a_quarter_wave_plate_lies_in_the_surface_as_documented() {
     let quartz = Crystal::uniaxial(1.54424.into(), 1.55335.into(), axis).unwrap();
     let layers = vec![CrystalLayer {
         crystal: quartz,
-        thickness: surface_relief::WAVELENGTH / (4.0 * (1.55335 - 1.54424)),
+        thickness: crate::relief::WAVELENGTH / (4.0 * (1.55335 - 1.54424)),
     }];
     let single = InternalReflections::SinglePass;
     let plate = Boundary::Crystal(CrystalPlate::new(1.55, layers, 1.55.into(), single).unwrap());

@@ -1,5 +1,4 @@
 //! Surfaces of exponentially and K-correlated heights: numerical Hankel transforms and the limits of small and large g.
-#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use mueller16::{
     Approximation, Autocorrelation, ExponentialHeights, KCorrelatedHeights, KCorrelation, Relief,

@@ -1,5 +1,4 @@
 //! Openings with polarizing elements against points that fill them: light of separate series, two observers, outgoing modes.
-#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use csdm::JonesMatrix;
 use gauss_quad::GaussLegendre;

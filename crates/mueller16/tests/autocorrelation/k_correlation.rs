@@ -1,5 +1,4 @@
 //! K-correlation autocorrelations against their closed forms: lobes to the far tail, Bessel functions by quadrature.
-#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use mueller16::{Autocorrelation, AutocorrelationError, KCorrelation, Tolerance};
 use nalgebra::{Matrix2, Vector2};

@@ -1,13 +1,10 @@
 //! Mirror and diffuse light of a rough surface together: all of the light, and never more with the cap.
-#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
-
-mod surface_relief;
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use crate::relief::{PlainHeights, direction, green, heights};
 use mueller16::surface::{Boundary, Passage, RayFrames, Surface, SurfaceError};
 use mueller16::{GaussianHeights, Geometry, IncidentCoherence, Relief, Superposed, Tolerance};
-use surface_relief::{PlainHeights, direction, green, heights};
 
 /// Of the quadrature in these tests, relative.
 const QUADRATURE: f64 = 1e-5;

@@ -1,5 +1,4 @@
 //! Lemma 4.3 for points against fields summed by hand and modes projected by quadrature.
-#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use csdm::JonesMatrix;
 use mueller16::{Energy, Geometry, PointScatterer, PointScatterers};

@@ -1,5 +1,4 @@
 //! Slits too near for one plane phase, against the integral of spherical waves over every opening.
-#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use csdm::JonesMatrix;
 use gauss_quad::GaussLegendre;

@@ -1,14 +1,11 @@
 //! Very rough surfaces against the microfacet model of Walter et al. 2007, written here from the paper.
-#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
-
-mod surface_relief;
 
 use std::f64::consts::PI;
 
+use crate::relief::{PlainHeights, direction, green, heights};
 use mueller16::surface::{Boundary, RayFrames, Surface, smith_beckmann};
 use mueller16::{DielectricInterface, Geometry, IncidentCoherence, Relief, Tolerance};
 use nalgebra::{Vector2, Vector3};
-use surface_relief::{PlainHeights, direction, green, heights};
 
 /// Unpolarized Fresnel reflectance, Eq. (22) of the paper.
 fn fresnel(c: f64, n_i: f64, n_t: f64) -> f64 {

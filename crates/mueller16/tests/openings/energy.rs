@@ -1,5 +1,4 @@
 //! The power that passes openings: their area, less what is evanescent.
-#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use gauss_quad::GaussLegendre;
 use mueller16::{AngularSpectrum, Geometry, LitOpenings, Opening, Openings};

@@ -1,11 +1,9 @@
 //! Laws of what surfaces do to polarized light: reciprocity, passivity, realizability, energy, and known interfaces.
-#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
-
-mod surface_boundaries;
-mod surface_relief;
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use crate::boundaries::{between, crystal, dielectric, gold};
+use crate::relief::{direction, heights};
 use csdm::CloudeSpectrum;
 use csdm::film::Layer;
 use mueller16::surface::{
@@ -15,8 +13,6 @@ use mueller16::{Flat, Geometry, IncidentCoherence, Tolerance, element};
 use nalgebra::Vector3;
 use num_complex::Complex64;
 use proptest::prelude::*;
-use surface_boundaries::{between, crystal, dielectric, gold};
-use surface_relief::{direction, heights};
 
 /// Between air and glass; `loss` is the extinction coefficient of its second layer.
 fn film(loss: f64) -> Boundary {

@@ -1,5 +1,4 @@
 //! Channels of random phase screens against the sixteen of their ensemble at two points, and against their fields.
-#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use csdm::{CloudeSpectrum, CorrelationLengths, Element, PhaseScreen};
 use mueller16::{ChannelSet, Channels, Tolerance};

@@ -38,7 +38,7 @@ pub(crate) fn crystal(reflections: InternalReflections) -> Boundary {
 /// Air above, glass below.
 pub(crate) fn between(i: Vector3<f64>, o: Vector3<f64>) -> Geometry {
     let index = |z: f64| if z < 0.0 { 1.5 } else { 1.0 };
-    Geometry::on_plane(i, o, crate::surface_relief::green())
+    Geometry::on_plane(i, o, crate::relief::green())
         .unwrap()
         .between(index(i.z), index(o.z))
         .unwrap()

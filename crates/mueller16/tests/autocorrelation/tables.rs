@@ -1,5 +1,4 @@
 //! Tabulated spectra: known mixtures and power laws between the rows, rings, and tables that are refused.
-#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use mueller16::{TableError, TabulatedSpectrum, Tolerance};
 use nalgebra::Vector2;

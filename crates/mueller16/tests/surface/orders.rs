@@ -1,5 +1,4 @@
 //! The sharp orders of a grating: where they are and what share each has.
-#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use std::f64::consts::PI;
 
