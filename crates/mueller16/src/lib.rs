@@ -8,6 +8,7 @@ mod autocorrelation;
 mod channels;
 pub mod element;
 mod geometry;
+mod grating;
 mod incident;
 mod interface;
 mod kernel;
@@ -19,6 +20,10 @@ pub use accuracy::{Approximation, BadTolerance, Method, Tolerance};
 pub use autocorrelation::{Autocorrelation, AutocorrelationError, GaussianFamily, GaussianTerm};
 pub use channels::{ChannelSet, Channels};
 pub use geometry::{Geometry, GeometryError, LEAST_COSINE};
+pub use grating::{
+    Blaze, CoupledOrders, Grating, GratingError, LosslessOrders, Mount, Order, PolarizationPattern,
+    Profile, Validity,
+};
 pub use incident::{IncidentCoherence, IncidentError};
 pub use interface::{ConductorInterface, DielectricInterface, IndexError, Transmitted};
 pub use population::{Matter, MatterError, Population};
