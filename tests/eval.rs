@@ -5,7 +5,7 @@ use std::fs;
 use std::io::Write as _;
 use std::process::{Output, Stdio};
 
-use brewster_tests::{brewster, results_by_id};
+use brewster_tests::{brewster, repository, results_by_id};
 use serde_json::{Value, json};
 
 /// Runs `brewster eval -` with further arguments on a text.
@@ -85,7 +85,41 @@ fn a_wrong_case_is_named_and_the_rest_is_computed() {
     let psi = |theta: Value, dual: Value| json!({"id": "bad", "op": "psi", "inputs": {"n": 0, "m": 1, "Theta": theta, "x": [0, 0], "dual": dual}});
     let shape = |profile: Value| json!({"id": "bad", "op": "shape", "inputs": {"I": profile, "P": [[1, 0], [0, 1]]}});
     let csd = |lambda: f64, r: f64, mode: Value| json!({"id": "bad", "op": "csd", "inputs": {"lambda": lambda, "r": r, "Theta": [[1, 0], [0, 1]], "Q": [[1, 0], [0, 1]], "modes": [mode], "xi": [0, 0]}});
+    let lobe = |r: Value| json!({"id": "bad", "op": "lobe", "inputs": {"R": r, "phi": [0, 0]}});
+    let scatter = |family: &str, r: Value, map: Value| json!({"id": "bad", "op": "scatter", "inputs": {"R": r, "family": family, "n": 0, "m": 1, "shape": [[1, 0], [0, 1]], "B": map, "phi": [0, 0]}});
     for (case, expected) in [
+        (
+            lobe(json!({"kind": "fractal"})),
+            "key 'R.kind': found 'fractal', expected 'constant', 'gaussian', 'gaussian_sum', 'grating' or 'rough'",
+        ),
+        (
+            lobe(json!({"kind": "gaussian", "S": [[1, 0], [0, -1]]})),
+            "key 'R.S': shape: ",
+        ),
+        (
+            lobe(json!({"kind": "gaussian", "S": [[1, 0], [0, 1]], "amp": [1, 2, 3]})),
+            "key 'R.amp': found 3 values, expected 2",
+        ),
+        (
+            lobe(json!({"kind": "gaussian_sum", "weights": [1], "S_list": []})),
+            "key 'R.S_list': found 0 matrices for 1 weights, expected one for each",
+        ),
+        (
+            lobe(json!({"kind": "rough", "g": -1, "l": 1})),
+            "key 'R.g': found -1, expected a number between 0 and 1e6",
+        ),
+        (
+            lobe(json!({"kind": "rough", "g": 1, "l": 0})),
+            "key 'R.l': shape: ",
+        ),
+        (
+            scatter("dual", json!({"kind": "constant"}), one.clone()),
+            "key 'family': found 'dual', expected 'white' or 'cov'",
+        ),
+        (
+            scatter("cov", json!({"kind": "constant"}), json!([[1, 0], [0, 0]])),
+            "key 'R': interaction: an autocorrelation that does not decay meets light without angular width (det V = 0)",
+        ),
         (
             json!({"id": "bad", "op": "hermite1d", "inputs": {"n": 1}}),
             "key 't' is missing, expected a finite number (hermite1d takes n, t)",
@@ -198,6 +232,125 @@ fn a_wrong_case_is_named_and_the_rest_is_computed() {
         let place = format!("brewster: standard input: case 'bad' ({op}): {expected}");
         assert!(said.starts_with(&place), "found {said}expected {place}");
         assert_eq!(said.lines().count(), 1, "{said}");
+    }
+}
+
+/// The first golden case of the theorem, with changes.
+fn interaction(change: impl Fn(&mut Value)) -> Value {
+    let path = repository().join("tests/golden/interaction.json");
+    let golden: Value = serde_json::from_slice(&fs::read(path).unwrap()).unwrap();
+    let mut inputs = golden["cases"][0]["inputs"].clone();
+    change(&mut inputs);
+    json!({"id": "case", "op": "interaction", "inputs": inputs})
+}
+
+#[test]
+fn what_is_no_encounter_of_light_with_matter_is_named() {
+    let with = |place: &str, value: Value| {
+        interaction(|inputs| *inputs.pointer_mut(place).unwrap() = value.clone())
+    };
+    let nothing = vec![vec![Value::Null; 4]; 4];
+    for (case, expected) in [
+        (
+            with("/incident/modes/2/1", json!([1, 0, 0.5])),
+            "key 'incident.modes[2][1]': series: coefficient (1, 0) is 0.5+0i, expected a purely imaginary number",
+        ),
+        (
+            with("/incident/modes/0/3", json!([2, 0, {"re": 0.5, "im": 0.1}])),
+            "key 'incident.modes[0][3]': series: coefficient (2, 0) is 0.5+0.1i, expected a purely real number",
+        ),
+        (
+            with("/incident/modes", json!([[], [], []])),
+            "key 'incident.modes': found 3 values, expected 4",
+        ),
+        (
+            with("/incident/W", json!([[1, 0], [1, 0]])),
+            "key 'incident.W': shape: condition number inf of Θ",
+        ),
+        (
+            with("/R/1/0", json!({"kind": "smooth"})),
+            "key 'R[1][0].kind': found 'smooth', expected 'constant', 'gaussian'",
+        ),
+        (
+            with("/R", json!(nothing)),
+            "key 'R': found no channel, expected at least one that is not null",
+        ),
+        (
+            with("/to_source", json!([0, 0, 2])),
+            "key 'inputs': geometry: the vector to the source has length 2, expected 1",
+        ),
+        (with("/e_in/0", json!([0, 0, 1])), "key 'e_in': found axes "),
+        (
+            with("/e_out/1", json!([0, 0, 0])),
+            "key 'e_out': found axes 1e0 away from perpendicular unit axes across the ray, expected at most 1e-6",
+        ),
+        (
+            with("/s", json!(1e-9)),
+            "key 's': light: distance 0.000000001 m",
+        ),
+        (
+            with("/r", json!(1e-9)),
+            "key 'r': light: distance 0.000000001 m",
+        ),
+        (
+            with("/xi", json!([])),
+            "key 'xi': found no separation, expected at least one",
+        ),
+    ] {
+        let (status, _, said) = parts(&eval_text(&file_of(&json!([case])), &[]));
+        let expected = format!("brewster: standard input: case 'case' (interaction): {expected}");
+        assert!(said.starts_with(&expected), "{said}\n{expected}");
+        assert_eq!((status, said.lines().count()), (Some(1), 1), "{said}");
+    }
+}
+
+#[test]
+fn mirrored_transverse_axes_only_rename_coordinates() {
+    let plain = interaction(|_| ());
+    let mirrored = interaction(|inputs| {
+        for axes in ["e_in", "e_out"] {
+            for component in inputs[axes][1].as_array_mut().unwrap() {
+                let x: f64 = component.as_str().unwrap().parse().unwrap();
+                *component = json!(-x);
+            }
+        }
+        for row in inputs["incident"]["W"].as_array_mut().unwrap() {
+            let x: f64 = row[1].as_str().unwrap().parse().unwrap();
+            row[1] = json!(-x);
+        }
+        for xi in inputs["xi"].as_array_mut().unwrap() {
+            let x: f64 = xi[1].as_str().unwrap().parse().unwrap();
+            xi[1] = json!(-x);
+        }
+    });
+    let result = |case: &Value| {
+        let (status, answer, said) = parts(&eval_text(&file_of(&json!([case])), &[]));
+        assert_eq!(status, Some(0), "{said}");
+        results_by_id(&answer)["case"].clone()
+    };
+    let (plain, mirrored) = (result(&plain), result(&mirrored));
+    for key in [
+        "phi_t",
+        "A",
+        "S",
+        "c_white",
+        "C_samples",
+        "intensity",
+        "DoP",
+    ] {
+        assert_eq!(plain[key], mirrored[key], "{key}");
+    }
+    for (key, place) in [
+        ("B", [1, 0]),
+        ("P_out", [0, 1]),
+        ("W_out", [0, 1]),
+        ("Theta_out", [0, 1]),
+    ] {
+        let number = |result: &Value| -> f64 {
+            let [row, column] = place;
+            result[key][row][column].as_str().unwrap().parse().unwrap()
+        };
+        assert_eq!(number(&plain), -number(&mirrored), "{key}");
     }
 }
 

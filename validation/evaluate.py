@@ -4,6 +4,7 @@ A case is `(op, inputs)`; numbers are written so that they read back as the same
 """
 
 import json
+import secrets
 import subprocess
 import tempfile
 from collections.abc import Callable
@@ -119,25 +120,39 @@ class Program:
         return np.array([result[key] for result in self(cases)])
 
 
+def seed_of(text: str) -> int:
+    """Return the seed that an argument names; `random` is another one each time."""
+    return secrets.randbelow(2**32) if text == "random" else int(text)
+
+
 def check(
-    documentation: str | None, compare: Callable[[Program], Report], falsified: list[Tamper]
+    documentation: str | None,
+    compare: Callable[..., Report],
+    falsified: list[Tamper],
+    *,
+    seed: int | None = None,
 ) -> int:
     """Run `compare`, and with `--self-test` again on answers falsified in turn.
 
-    Each falsification must be noticed.  Returns the exit status.
+    Each falsification must be noticed.  With `seed`, which `--seed` replaces, `compare` is also
+    given the seed of its cases.  Returns the exit status.
     """
     parser = arguments(documentation)
     parser.add_argument("--self-test", action="store_true", help="also see that errors are noticed")
+    if seed is not None:
+        what = "of the cases: a number, or `random` for other ones each time"
+        parser.add_argument("--seed", type=seed_of, default=seed, help=what)
     args = parser.parse_args()
+    seeds = [] if seed is None else [args.seed]
     program = Program()
-    status = compare(program).finish()
+    status = compare(program, *seeds).finish()
     print(f"{sum(map(len, program.known))} cases evaluated")
     if not args.self_test:
         return status
     print("\nself-test: rows that differ when the program's answers are falsified\n")
     for tamper in falsified:
         program.rewind(tamper)
-        bad = sum(not good for *_, good in compare(program).rows)
+        bad = sum(not good for *_, good in compare(program, *seeds).rows)
         status = max(status, int(bad == 0))
         print(f"{tamper.__name__.replace('_', ' '):24} {bad:4}  {'ok' if bad else 'NOT NOTICED'}")
     return status

@@ -34,6 +34,7 @@ CHECKS = {
     "plates": [str(PYTHON), "validation/plates.py"],
     "fields": [str(PYTHON), "validation/fields.py", "--self-test"],
     "light": [str(PYTHON), "validation/light.py", "--self-test"],
+    "scattering": [str(PYTHON), "validation/scattering.py", "--self-test"],
     "stability": [str(PYTHON), "validation/stability.py", "--self-test"],
     "references": [str(PYTHON), "validation/references.py"],
 }

@@ -49,6 +49,13 @@ impl ChannelSet {
         self.0 & !other.0 == 0
     }
 
+    /// The channel `j → l`, if there is just one.
+    #[inline]
+    fn single(self) -> Option<(usize, usize)> {
+        let place = self.0.trailing_zeros() as usize;
+        self.0.is_power_of_two().then_some((place % 4, place / 4))
+    }
+
     /// Channels of either.
     #[must_use]
     pub fn union(self, other: Self) -> Self {
@@ -101,6 +108,25 @@ pub(crate) struct Group {
     pub(crate) set: ChannelSet,
     pub(crate) autocorrelation: Autocorrelation,
     pub(crate) envelope: usize,
+}
+
+impl Group {
+    /// Adds `M_lj sums_j` to the channels of `matrix` that are there.
+    #[inline]
+    pub(crate) fn add_to(&self, matrix: &mut Matrix4<f64>, sums: &[f64; 4]) {
+        let (from, into) = (self.mueller.as_slice(), matrix.as_mut_slice());
+        if let Some((j, l)) = self.set.single() {
+            let place = 4 * j + l;
+            into[place] += from[place] * sums[j];
+            return;
+        }
+        // by columns, one for each incident parameter
+        for ((from, into), sum) in from.chunks_exact(4).zip(into.chunks_exact_mut(4)).zip(sums) {
+            for (from, into) in from.iter().zip(into) {
+                *into += from * sum;
+            }
+        }
+    }
 }
 
 /// Matter at one encounter: for each channel its mutual autocorrelation `R^(j→l)`, and the number of its envelope.

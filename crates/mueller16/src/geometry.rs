@@ -48,6 +48,15 @@ pub enum GeometryError {
         /// The cosine.
         cosine: f64,
     },
+    /// No direction has the tangential wave vector that was asked for.
+    #[error(
+        "geometry: the outgoing light would need a sine of {sine} with the normal, expected at most 1: it is evanescent and \
+         reaches no observer"
+    )]
+    Evanescent {
+        /// The length of the outgoing tangential wave vector over that of the medium.
+        sine: f64,
+    },
 }
 
 /// An encounter of light with a surface: direction to the source, direction to the observer, the surface's axes, the
@@ -100,22 +109,9 @@ impl Geometry {
         wavelength: Wavelength,
     ) -> Result<Self, GeometryError> {
         let [t1, t2] = tangents;
-        let named = [
-            ("to the source", to_source),
-            ("to the observer", to_observer),
-            ("of the first tangent", t1),
-            ("of the second tangent", t2),
-        ];
-        for (what, vector) in named {
-            let length = vector.norm();
-            if length.is_nan() || (length - 1.0).abs() > UNIT {
-                return Err(GeometryError::NotUnit { what, length });
-            }
-        }
-        let dot = t1.dot(&t2);
-        if dot.abs() > UNIT {
-            return Err(GeometryError::NotPerpendicular { dot });
-        }
+        check_unit("to the source", &to_source)?;
+        check_unit("to the observer", &to_observer)?;
+        check_axes(&tangents)?;
         let indices = [1.0; 2];
         Ok(Self {
             to_source,
@@ -173,6 +169,52 @@ impl Geometry {
             indices: [outgoing, incident],
             ..*self
         }
+    }
+
+    /// The same encounter with light from another direction: from another point of the source.
+    ///
+    /// # Errors
+    ///
+    /// When the vector is not of unit length (to 1e-6).
+    pub fn lit_from(&self, to_source: Vector3<f64>) -> Result<Self, GeometryError> {
+        Self::new(to_source, self.to_observer, self.tangents, self.wavelength)?
+            .between(self.indices[0], self.indices[1])
+    }
+
+    /// The same light seen from where the matter must give it the tangential wave vector `phi`, rad/m, on the side of the
+    /// present observer: `phi = 0` is the mirror's or Snell's direction, `phi = q G` a grating's order.
+    ///
+    /// ```
+    /// use mueller16::Geometry;
+    /// use nalgebra::{Vector2, Vector3};
+    /// use stokes::Wavelength;
+    /// // 600 lines per mm at normal incidence, 500 nm: the first order at sin = 0.3
+    /// let light = Wavelength::from_metres(500e-9)?;
+    /// let normal = Geometry::on_plane(Vector3::z(), Vector3::z(), light)?;
+    /// let first = normal.observed_at(&Vector2::new(2.0 * std::f64::consts::PI * 600e3, 0.0))?;
+    /// assert!((first.to_observer().x - 0.3).abs() < 1e-15);
+    /// // the fourth would need a sine of 1.2
+    /// assert!(normal.observed_at(&Vector2::new(2.0 * std::f64::consts::PI * 2400e3, 0.0)).is_err());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// When there is no such direction: the light is evanescent (total reflection, an order beyond the last).
+    pub fn observed_at(&self, phi: &Vector2<f64>) -> Result<Self, GeometryError> {
+        let [t1, t2] = self.tangents;
+        let k = self.wavelength.wavenumber().radians_per_metre();
+        let [incident, outgoing] = self.indices;
+        let given = Vector2::new(t1.dot(&self.to_source), t2.dot(&self.to_source));
+        let o = (phi / k - given * incident) / outgoing;
+        let sine = o.norm();
+        if sine.is_nan() || sine > 1.0 {
+            return Err(GeometryError::Evanescent { sine });
+        }
+        let height = ((1.0 - sine) * (1.0 + sine)).sqrt();
+        let to_observer = t1 * o.x + t2 * o.y + self.normal * height.copysign(self.cos_outgoing());
+        Self::new(self.to_source, to_observer, self.tangents, self.wavelength)?
+            .between(incident, outgoing)
     }
 
     /// The direction to the source, against the incident light's propagation.
@@ -302,6 +344,26 @@ impl Geometry {
         }
         Ok(cosines)
     }
+}
+
+/// Two perpendicular unit vectors.
+pub(crate) fn check_axes(tangents: &[Vector3<f64>; 2]) -> Result<(), GeometryError> {
+    let [t1, t2] = tangents;
+    check_unit("of the first tangent", t1)?;
+    check_unit("of the second tangent", t2)?;
+    let dot = t1.dot(t2);
+    if dot.is_nan() || dot.abs() > UNIT {
+        return Err(GeometryError::NotPerpendicular { dot });
+    }
+    Ok(())
+}
+
+fn check_unit(what: &'static str, vector: &Vector3<f64>) -> Result<(), GeometryError> {
+    let length = vector.norm();
+    if length.is_nan() || (length - 1.0).abs() > UNIT {
+        return Err(GeometryError::NotUnit { what, length });
+    }
+    Ok(())
 }
 
 fn momentum(

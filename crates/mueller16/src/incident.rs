@@ -98,7 +98,7 @@ impl IncidentCoherence {
         Self::new(root, &HermiteSeries::fundamental(1.0))
     }
 
-    fn with_determinant(
+    pub(crate) fn with_determinant(
         root: Matrix2<f64>,
         determinant: f64,
         modes: &HermiteSeries,
@@ -183,6 +183,7 @@ pub(crate) fn incident_map(
     Matrix2::new(e1.dot(&t1), e1.dot(&t2), e2.dot(&t1), e2.dot(&t2)) * scale
 }
 
-fn wavenumber(geometry: &Geometry) -> f64 {
+/// `n k₀` where the light comes from.
+pub(crate) fn wavenumber(geometry: &Geometry) -> f64 {
     geometry.n_incident() * geometry.wavelength().wavenumber().radians_per_metre()
 }

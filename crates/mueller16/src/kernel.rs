@@ -23,10 +23,48 @@
 //! the image of the source) keep their digits without a case of their own.
 
 use nalgebra::{Matrix2, Vector2};
-use std::f64::consts::FRAC_1_SQRT_2;
+use std::f64::consts::TAU;
 use stokes::{HermiteSeries, Real, plane};
 
-use crate::autocorrelation::GaussianFamily;
+use crate::accuracy::Tolerance;
+use crate::autocorrelation::{GaussianFamily, GaussianTerm};
+use crate::recurrence::{Lobes, Modes};
+
+/// Gaussians that are met side by side.
+const LANES: usize = 4;
+
+/// Least Δ: below, its root has no digits, and its Gaussian is a delta.
+const LEAST_DELTA: f64 = 1e-280;
+
+/// Highest order of the recurrence in f32; beyond it f64 steps in.
+const MAX_ORDER_F32: usize = 64;
+
+/// What is made of a family of Gaussians: which modes are summed, and how far from a lobe they are still there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Request<'a, const J: usize> {
+    modes: Modes<'a, J>,
+    /// Largest `φᵀKφ/2`.
+    reach: f64,
+}
+
+impl<'a, const J: usize> Request<'a, J> {
+    /// These series, with everything that the arithmetic can hold, or with Gaussians left out for a tolerance.
+    ///
+    /// By Cauchy's bound on the generating function, `|g_ab| ≤ g_00(0) e √n e^(n − (√x − √n)²)` at `x = φᵀKφ/2 ≥ n`:
+    /// what is left out is below the tolerance times `g_00(0) Σ|s_ab|`.
+    pub(crate) fn new(
+        series: [Option<&'a HermiteSeries>; J],
+        tolerance: Option<Tolerance>,
+    ) -> Self {
+        let modes = Modes::new(series);
+        let reach = tolerance.map_or(f64::INFINITY, |tolerance| {
+            let n = modes.order() as f64;
+            let digits = 1.0 + 0.5 * n.max(1.0).ln() - tolerance.get().ln();
+            (n.sqrt() + (n + digits).sqrt()).powi(2)
+        });
+        Self { modes, reach }
+    }
+}
 
 /// What the Gaussians of a family share when they meet light of one root.
 #[derive(Clone, Copy, Debug)]
@@ -40,164 +78,256 @@ pub(crate) struct Meeting<'a> {
     delta: f64,
 }
 
-/// One Gaussian met by light: the start and the factors of the recurrence.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct GaussianLobe {
-    /// `g_00` times the weight, m².
-    pub(crate) start: f64,
-    /// `z = V K φ`.
-    pub(crate) z: [f64; 2],
-    /// `M₁₁, M₁₂, M₂₂`.
-    pub(crate) m: [f64; 3],
+/// What Gaussians with one centre share: `|Dφ|²`, `|c|²`, `A Dφ` and c.
+#[derive(Clone, Copy, Debug, Default)]
+struct Place {
+    d_squared: f64,
+    c_squared: f64,
+    along: [f64; 2],
+    c: [f64; 2],
 }
 
 impl<'a> Meeting<'a> {
+    #[inline(always)]
     pub(crate) fn new(
         family: &'a GaussianFamily,
         root: &'a Matrix2<f64>,
         root_determinant: f64,
     ) -> Self {
-        let a = plane::product(root, &family.root().transpose());
+        let (d, v) = (family.root(), root);
+        let [a11, a21, a12, a22] = sums_of_products(
+            [v.m11, v.m21, v.m11, v.m21],
+            [d.m11, d.m11, d.m21, d.m21],
+            [v.m12, v.m22, v.m12, v.m22],
+            [d.m12, d.m12, d.m22, d.m22],
+        );
+        let squares = [a11 * a11 + a12 * a12, a21 * a21 + a22 * a22];
+        let [across] = sums_of_products([a11], [a21], [a12], [a22]);
+        // axes that are turned by rounding alone are not turned
+        let turned = across.abs() > f64::EPSILON * squares[0].max(squares[1]);
         Self {
             family,
             root,
-            a,
-            squares: [a.m11 * a.m11 + a.m12 * a.m12, a.m21 * a.m21 + a.m22 * a.m22],
-            across: plane::sum_of_products(a.m11, a.m21, a.m12, a.m22),
+            a: Matrix2::new(a11, a12, a21, a22),
+            squares,
+            across: if turned { across } else { 0.0 },
             delta: root_determinant * family.root_determinant(),
         }
     }
 
-    /// The lobes of all Gaussians at the tangential wave vector `phi`, rad/m; `None` for a delta, which no light
-    /// without width averages.
-    pub(crate) fn lobes(
+    /// Adds the integrals of all Gaussians at the tangential wave vector `phi`, rad/m, to `sums`, m²; `None` for a
+    /// delta, which no light without width averages.
+    ///
+    /// Exponents and factors are formed in f64, the recurrence runs in T.
+    #[inline(always)]
+    pub(crate) fn add<T: Real, const J: usize>(
         &self,
         phi: &Vector2<f64>,
-    ) -> impl Iterator<Item = Option<GaussianLobe>> + '_ {
-        let phi = *phi;
-        self.family.terms().iter().map(move |term| {
-            // a shift of 0 leaves every bit as it is
-            let at = phi - term.shift;
-            self.lobe(term.weight, term.rate, &at)
-        })
-    }
-
-    #[inline]
-    fn lobe(&self, weight: f64, m: f64, phi: &Vector2<f64>) -> Option<GaussianLobe> {
-        let [r1, r2] = self.squares;
-        let det_d = self.family.root_determinant();
-        let det = m * m + m * (r1 + r2) + self.delta * self.delta;
-        if det == 0.0 {
-            return None;
+        request: &Request<'_, J>,
+        sums: &mut [f64; J],
+    ) -> Option<()> {
+        let order = request.modes.order();
+        if order == 0 {
+            self.add_all::<T, J, false>(phi, request, sums)
+        } else if order > MAX_ORDER_F32 {
+            self.add_all::<f64, J, true>(phi, request, sums)
+        } else {
+            self.add_all::<T, J, true>(phi, request, sums)
         }
-        let d = plane::apply(self.family.root(), phi);
-        let v = self.root;
-        let c = Vector2::new(
-            plane::sum_of_products(v.m22, phi.x, -v.m21, phi.y),
-            plane::sum_of_products(v.m11, phi.y, -v.m12, phi.x),
-        ) * det_d;
-        let inverse = 1.0 / det;
-        let exponent = 0.5 * (m * d.norm_squared() + c.norm_squared()) * inverse;
-        let along = plane::apply(&self.a, &d);
-        // (m² − δ²) as a product: exact where the two are close
-        let even = (m - self.delta) * (m + self.delta);
-        Some(GaussianLobe {
-            start: weight * 2.0 * PI_ROOT * det_d.abs() * (-exponent).exp() * inverse.sqrt(),
-            z: [
-                (m * along.x + self.delta * c.x) * inverse,
-                (m * along.y + self.delta * c.y) * inverse,
-            ],
-            m: [
-                (even + m * (r2 - r1)) * inverse,
-                -2.0 * m * self.across * inverse,
-                (even + m * (r1 - r2)) * inverse,
-            ],
-        })
     }
-}
 
-const PI_ROOT: f64 = 1.772_453_850_905_516;
-
-/// `√0 … √256`.
-static ROOTS: [f64; stokes::MAX_ORDER + 1] = {
-    let (mut roots, mut n) = ([0.0; stokes::MAX_ORDER + 1], 0);
-    while n < roots.len() {
-        roots[n] = ((n as u128) << 118).isqrt() as f64 / (1_u64 << 59) as f64;
-        n += 1;
+    #[inline(always)]
+    fn add_all<T: Real, const J: usize, const MODES: bool>(
+        &self,
+        phi: &Vector2<f64>,
+        request: &Request<'_, J>,
+        sums: &mut [f64; J],
+    ) -> Option<()> {
+        let terms = self.family.terms();
+        let mut shift = Vector2::zeros();
+        let mut place = self.place::<MODES>(phi);
+        // many Gaussians have one centre
+        let mut place_of = |term: &GaussianTerm| {
+            if term.shift != shift {
+                shift = term.shift;
+                place = self.place::<MODES>(&(phi - shift));
+            }
+            place
+        };
+        let (blocks, rest) = terms.as_chunks::<LANES>();
+        for block in blocks {
+            let places = block.each_ref().map(&mut place_of);
+            self.add_block::<T, LANES, J, MODES>(block, &places, request, sums)?;
+        }
+        for term in rest {
+            let place = place_of(term);
+            self.add_block::<T, 1, J, MODES>(&[*term], &[place], request, sums)?;
+        }
+        Some(())
     }
-    roots
-};
 
-/// `Σ s_ab g_ab` for each series; 0 for one that is absent.
-///
-/// Error at most a few `order·ε` of `|s| · F{R}(0)`: the recurrence is bounded, `|g_ab| ≤ π^(−1/2) F{R}(0)`. No
-/// allocation. What is absent or shorter changes no bit of the other sums.
-#[inline]
-pub(crate) fn contract<const J: usize>(
-    lobe: &GaussianLobe,
-    series: [Option<&HermiteSeries>; J],
-) -> [f64; J] {
-    let count = |s: &HermiteSeries| s.order() + 1;
-    let counts = series.map(|s| s.map_or(0, count));
-    let coefficients = series.map(|s| s.map_or(&[][..], HermiteSeries::real_coefficients));
-    match counts.iter().max().copied().unwrap_or(0) {
-        0 | 1 => coefficients.map(|s| s.first().map_or(0.0, |s| s * lobe.start)),
-        2..=5 => sized::<J, 5>(lobe, coefficients, counts),
-        6..=17 => sized::<J, 17>(lobe, coefficients, counts),
-        18..=65 => sized::<J, 65>(lobe, coefficients, counts),
-        _ => sized::<J, { stokes::MAX_ORDER + 1 }>(lobe, coefficients, counts),
-    }
-}
-
-/// As [`contract`], for series of `counts` orders with at most `SIZE` of them.
-#[inline]
-fn sized<const J: usize, const SIZE: usize>(
-    lobe: &GaussianLobe,
-    series: [&[f64]; J],
-    counts: [usize; J],
-) -> [f64; J] {
-    let steps = f64::steps();
-    let count = counts.into_iter().max().unwrap_or(0).min(SIZE);
-    let [z1, z2] = lobe.z;
-    let [m11, m12, m22] = lobe.m;
-    // row b = 0, and the row before it, which is nothing
-    let (mut row, mut before) = ([0.0; SIZE], [0.0; SIZE]);
-    row[0] = lobe.start;
-    let mut last = 0.0;
-    for a in 1..count {
-        let [up, down] = steps[a - 1];
-        row[a] = up * z1 * row[a - 1] + m11 * down * last;
-        last = row[a - 1];
-    }
-    let mut sums = [0.0; J];
-    for b in 0..count {
-        for (sum, (s, length)) in sums.iter_mut().zip(series.iter().zip(counts)) {
-            let mut place = stokes::mode_index(0, b);
-            for (a, g) in row[..length.saturating_sub(b)].iter().enumerate() {
-                *sum += s[place] * g;
-                place += a + b + 1;
+    #[inline(always)]
+    fn add_block<T: Real, const L: usize, const J: usize, const MODES: bool>(
+        &self,
+        terms: &[GaussianTerm; L],
+        places: &[Place; L],
+        request: &Request<'_, J>,
+        sums: &mut [f64; J],
+    ) -> Option<()> {
+        let (lobes, scale) = self.lobes::<T, L, MODES>(terms, places, request.reach)?;
+        if scale == [0.0; L] {
+            return Some(());
+        }
+        let found = if !MODES {
+            request.modes.fundamental(&lobes)
+        } else if self.across == 0.0 {
+            request.modes.contract::<T, L, false>(&lobes)
+        } else {
+            request.modes.contract::<T, L, true>(&lobes)
+        };
+        for (sum, found) in sums.iter_mut().zip(found) {
+            for (found, scale) in found.into_iter().zip(scale) {
+                *sum += found.to_f64() * scale;
             }
         }
-        if b + 1 == count {
-            break;
+        Some(())
+    }
+
+    #[inline(always)]
+    fn place<const MODES: bool>(&self, phi: &Vector2<f64>) -> Place {
+        let (d, v, a) = (self.family.root(), self.root, &self.a);
+        let det_d = self.family.root_determinant();
+        let [d1, d2, c1, c2] = sums_of_products(
+            [d.m11, d.m21, v.m22, v.m11],
+            [phi.x, phi.x, phi.x, phi.y],
+            [d.m12, d.m22, -v.m21, -v.m12],
+            [phi.y, phi.y, phi.y, phi.x],
+        );
+        let (c1, c2) = (c1 * det_d, c2 * det_d);
+        let along = if MODES {
+            sums_of_products([a.m11, a.m21], [d1; 2], [a.m12, a.m22], [d2; 2])
+        } else {
+            [0.0; 2]
+        };
+        Place {
+            d_squared: d1 * d1 + d2 * d2,
+            c_squared: c1 * c1 + c2 * c2,
+            along,
+            c: [c1, c2],
         }
-        let [up, down] = steps[b];
-        let (along, back, across) = (up * z2, m22 * down, m12 * up * FRAC_1_SQRT_2);
-        let mut left = 0.0;
-        for a in 0..count - b - 1 {
-            before[a] = along * row[a] + back * before[a] + across * ROOTS[a] * left;
-            left = row[a];
+    }
+
+    /// Gaussians side by side, each begun with `e^(−x/2)`, `x = φᵀKφ/2`, and the factors of what is made of them,
+    /// which hold the other half: neither underflows, and `e^(x/2)`, by which the recurrence grows at most, is a
+    /// number. What lies beyond reach has the factor 0.
+    #[inline(always)]
+    fn lobes<T: Real, const L: usize, const MODES: bool>(
+        &self,
+        terms: &[GaussianTerm; L],
+        places: &[Place; L],
+        reach: f64,
+    ) -> Option<(Lobes<T, L>, [f64; L])> {
+        let [r1, r2] = self.squares;
+        let delta = self.delta;
+        let det_d = self.family.root_determinant().abs();
+        // e^(x/2) leaves nine digits before the largest number, and √x is one that `Real::gaussian` takes
+        let near = 0.9 * T::NEAR.to_f64().powi(2);
+        let reach = near.min(reach);
+        let mut lobes = Lobes::<T, L>::default();
+        let mut scale = [0.0; L];
+        let mut least = f64::INFINITY;
+        for l in 0..L {
+            let (m, place) = (terms[l].rate, &places[l]);
+            let det = m * m + m * (r1 + r2) + delta * delta;
+            least = least.min(det);
+            let inverse = 1.0 / det;
+            let x = 0.5 * (m * place.d_squared + place.c_squared) * inverse;
+            // not a number counts as far
+            let is_near = x <= reach;
+            let x = if is_near { x } else { 0.0 };
+            let start = T::from_f64(x.sqrt()).gaussian();
+            let factor = terms[l].weight * TAU * det_d * inverse.sqrt() * start.to_f64();
+            scale[l] = if is_near { factor } else { 0.0 };
+            lobes.start[l] = start;
+            if MODES {
+                let inverse = if is_near { inverse } else { 0.0 };
+                // (m² − δ²) as a product: exact where the two are close
+                let even = (m - delta) * (m + delta);
+                for axis in 0..2 {
+                    let z = (m * place.along[axis] + delta * place.c[axis]) * inverse;
+                    lobes.z[axis][l] = T::from_f64(if is_near { z } else { 0.0 });
+                }
+                lobes.m[0][l] = T::from_f64((even + m * (r2 - r1)) * inverse);
+                lobes.m[1][l] = T::from_f64(-2.0 * m * self.across * inverse);
+                lobes.m[2][l] = T::from_f64((even + m * (r1 - r2)) * inverse);
+            }
         }
-        std::mem::swap(&mut row, &mut before);
+        (least >= LEAST_DELTA).then_some((lobes, scale))
+    }
+}
+
+/// `a·b + c·d` entry by entry, each right to `4.5 ε`: where no entry cancels the plain sums are, elsewhere
+/// [`plane::sum_of_products`].
+#[inline(always)]
+fn sums_of_products<const N: usize>(
+    a: [f64; N],
+    b: [f64; N],
+    c: [f64; N],
+    d: [f64; N],
+) -> [f64; N] {
+    let (mut sums, mut cancels) = ([0.0; N], false);
+    for i in 0..N {
+        let (first, second) = (a[i] * b[i], c[i] * d[i]);
+        sums[i] = first + second;
+        let most = if first.abs() > second.abs() {
+            first.abs()
+        } else {
+            second.abs()
+        };
+        cancels |= sums[i].abs() < 0.25 * most;
+    }
+    if cancels {
+        cancelling(&a, &b, &c, &d, &mut sums);
     }
     sums
+}
+
+#[cold]
+#[inline(never)]
+fn cancelling(a: &[f64], b: &[f64], c: &[f64], d: &[f64], sums: &mut [f64]) {
+    for (i, sum) in sums.iter_mut().enumerate() {
+        *sum = plane::sum_of_products(a[i], b[i], c[i], d[i]);
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::autocorrelation::GaussianTerm;
     use num_complex::Complex64;
+
+    const ROOT: Matrix2<f64> = Matrix2::new(1.1, 0.4, -0.3, 0.8);
+    const LIGHT: Matrix2<f64> = Matrix2::new(0.7, -0.5, 0.2, 0.9);
+
+    fn sum_in<T: Real>(
+        family: &GaussianFamily,
+        v: &Matrix2<f64>,
+        phi: &Vector2<f64>,
+        series: &HermiteSeries,
+        tolerance: Option<Tolerance>,
+    ) -> f64 {
+        let request = Request::new([Some(series)], tolerance);
+        let mut sums = [0.0];
+        let meeting = Meeting::new(family, v, plane::determinant(v));
+        meeting.add::<T, 1>(phi, &request, &mut sums).unwrap();
+        sums[0]
+    }
+
+    fn ramp(order: usize) -> HermiteSeries {
+        let s: Vec<_> = (0..stokes::mode_count(order))
+            .map(|i| (i as f64 + 0.3).sin())
+            .collect();
+        HermiteSeries::from_real_coefficients(&s).unwrap()
+    }
 
     /// `∫ e^(−xᵀS⁻¹x/2) h_a h_b(Vx) e^(−iφ·x) d²x` by the trapezoidal rule.
     fn quadrature(
@@ -224,62 +354,148 @@ mod tests {
 
     #[test]
     fn modes_are_the_fourier_integral() {
-        let root = Matrix2::new(1.1, -0.3, 0.4, 0.8);
-        let v = Matrix2::new(0.7, 0.2, -0.5, 0.9);
         let phi = Vector2::new(1.3, -0.6);
         let term = GaussianTerm {
             weight: 1.0,
             rate: 1.7,
             shift: Vector2::new(0.4, 0.3),
         };
-        let family = GaussianFamily::new(&root, [term]).unwrap();
-        let meeting = Meeting::new(&family, &v, plane::determinant(&v));
-        let lobe = meeting.lobes(&phi).next().unwrap().unwrap();
-        let s = root.transpose() * root / 1.7;
-        for [a, b] in [
-            [0, 0],
-            [1, 0],
-            [0, 1],
-            [2, 0],
-            [1, 1],
-            [3, 2],
-            [0, 5],
-            [4, 3],
-        ] {
-            let mut series = vec![0.0; stokes::mode_count(a + b)];
-            series[stokes::mode_index(a, b)] = 1.0;
-            let series = HermiteSeries::from_real_coefficients(&series).unwrap();
-            let [g] = contract(&lobe, [Some(&series)]);
-            let expected = quadrature(&s, &v, &(phi - term.shift), [a, b]);
-            let found = Complex64::new(0.0, -1.0).powu((a + b) as u32) * g;
-            // the trapezoidal rule is exact for a Gaussian to e^(−π²/(h² K⁻¹)); 231,361 roundings of numbers ≤ 0.6
-            assert!(
-                (found - expected).norm() < 1e-13,
-                "{a} {b}: {found} {expected}"
-            );
+        // and with axes of light and matter along each other
+        let apart = (
+            Matrix2::new(1.1, 0.0, 0.0, 0.6),
+            Matrix2::new(0.7, 0.0, 0.0, -0.9),
+        );
+        for (root, v) in [(ROOT, LIGHT), apart] {
+            let family = GaussianFamily::new(&root, [term]).unwrap();
+            let s = root.transpose() * root / 1.7;
+            for [a, b] in [
+                [0, 0],
+                [1, 0],
+                [0, 1],
+                [2, 0],
+                [1, 1],
+                [3, 2],
+                [0, 5],
+                [4, 3],
+            ] {
+                let mut series = vec![0.0; stokes::mode_count(a + b)];
+                series[stokes::mode_index(a, b)] = 1.0;
+                let series = HermiteSeries::from_real_coefficients(&series).unwrap();
+                let g = sum_in::<f64>(&family, &v, &phi, &series, None);
+                let expected = quadrature(&s, &v, &(phi - term.shift), [a, b]);
+                let found = Complex64::new(0.0, -1.0).powu((a + b) as u32) * g;
+                // the trapezoidal rule is exact for a Gaussian to e^(−π²/(h² K⁻¹)); 231,361 roundings of numbers ≤ 0.6
+                assert!(
+                    (found - expected).norm() < 1e-13,
+                    "{a} {b}: {found} {expected}"
+                );
+            }
+        }
+    }
+
+    fn terms(count: usize) -> Vec<GaussianTerm> {
+        (0..count)
+            .map(|i| {
+                let i = i as f64;
+                GaussianTerm {
+                    weight: (i + 0.5).cos(),
+                    rate: 0.3 + i,
+                    // some with a common centre
+                    shift: Vector2::new((0.5 * i).floor(), -0.3 * (0.5 * i).floor()),
+                }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_family_is_the_sum_of_its_gaussians_bit_by_bit() {
+        let phi = Vector2::new(1.3, -0.6);
+        for order in [0, 3, 20] {
+            let series = ramp(order);
+            for count in [1, 2, 4, 5, 11] {
+                let terms = terms(count);
+                let of = |terms: &[GaussianTerm]| {
+                    let family = GaussianFamily::new(&ROOT, terms.iter().copied()).unwrap();
+                    sum_in::<f64>(&family, &LIGHT, &phi, &series, None)
+                };
+                let one_by_one = terms.chunks(1).fold(0.0, |sum, term| sum + of(term));
+                assert_eq!(of(&terms), one_by_one, "{order} {count}");
+            }
         }
     }
 
     #[test]
-    fn several_series_are_contracted_as_one_by_one() {
-        let root = Matrix2::new(1.1, -0.3, 0.4, 0.8);
-        let v = Matrix2::new(0.7, 0.2, -0.5, 0.9);
-        let family = GaussianFamily::new(&root, [GaussianTerm::centred(0.7, 1.3)]).unwrap();
-        let meeting = Meeting::new(&family, &v, plane::determinant(&v));
-        let lobe = meeting
-            .lobes(&Vector2::new(0.4, 2.0))
-            .next()
-            .unwrap()
-            .unwrap();
-        for order in [1, 4, 5, 16, 17, 64, 65, 256] {
-            let long: Vec<_> = (0..stokes::mode_count(order))
-                .map(|i| (i as f64).sin())
-                .collect();
-            let long = HermiteSeries::from_real_coefficients(&long).unwrap();
-            let (short, _) = long.truncated(order / 2);
-            let [x, y, z] = contract(&lobe, [Some(&long), None, Some(&short)]);
-            assert_eq!(([x], y), (contract(&lobe, [Some(&long)]), 0.0));
-            assert_eq!([z], contract(&lobe, [Some(&short)]));
+    fn what_a_tolerance_leaves_out_is_below_it() {
+        let mut left_out = 0;
+        for order in [0, 1, 4, 9, 30] {
+            let series = ramp(order);
+            let norm: f64 = series.real_coefficients().iter().map(|s| s.abs()).sum();
+            for tolerance in [1e-12, 1e-6, 1e-2] {
+                for step in 0..60 {
+                    let phi = Vector2::new(0.3, 0.5) * f64::from(step);
+                    for v in [LIGHT, LIGHT * 30.0, LIGHT * 0.01] {
+                        let family =
+                            GaussianFamily::new(&ROOT, [GaussianTerm::centred(2.0, 1.7)]).unwrap();
+                        let asked = Some(Tolerance::relative(tolerance).unwrap());
+                        let found = sum_in::<f64>(&family, &v, &phi, &series, asked);
+                        let whole = sum_in::<f64>(&family, &v, &phi, &series, None);
+                        let flat = HermiteSeries::fundamental(1.0);
+                        let peak = sum_in::<f64>(&family, &v, &Vector2::zeros(), &flat, None);
+                        let limit = tolerance * norm * peak;
+                        assert!((found - whole).abs() <= limit, "{order} {tolerance} {phi}");
+                        left_out += usize::from(found == 0.0 && whole != 0.0);
+                    }
+                }
+            }
+        }
+        assert!(left_out > 500, "{left_out}");
+    }
+
+    #[test]
+    fn single_precision_is_good_to_2e_5_of_the_lobe() {
+        for order in [0, 1, 4, 8, 16, 33, 64] {
+            let series = ramp(order);
+            let norm: f64 = series.real_coefficients().iter().map(|s| s.abs()).sum();
+            for v in [LIGHT, LIGHT * 30.0, LIGHT * 0.03] {
+                let family = GaussianFamily::new(&ROOT, terms(7)).unwrap();
+                let peak: f64 = terms(7)
+                    .into_iter()
+                    .map(|t| {
+                        let centred = GaussianTerm::centred(t.weight.abs(), t.rate);
+                        let family = GaussianFamily::new(&ROOT, [centred]).unwrap();
+                        let flat = HermiteSeries::fundamental(1.0);
+                        sum_in::<f64>(&family, &v, &Vector2::zeros(), &flat, None)
+                    })
+                    .sum();
+                for step in 0..40 {
+                    let phi = Vector2::new(0.31, -0.47) * f64::from(step);
+                    let single = sum_in::<f32>(&family, &v, &phi, &series, None);
+                    let double = sum_in::<f64>(&family, &v, &phi, &series, None);
+                    let error = (single - double).abs() / (peak * norm);
+                    assert!(error < 2e-5, "{order} {phi}: {error:e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_delta_is_refused_and_no_distance_makes_nonsense() {
+        let family = GaussianFamily::new(&ROOT, [GaussianTerm::centred(1.0, 0.0)]).unwrap();
+        let flat = HermiteSeries::fundamental(1.0);
+        let request = Request::new([Some(&flat)], None);
+        for v in [Matrix2::zeros(), Matrix2::new(1.0, 0.0, 0.0, 0.0)] {
+            let meeting = Meeting::new(&family, &v, 0.0);
+            assert_eq!(
+                meeting.add::<f64, 1>(&Vector2::zeros(), &request, &mut [0.0]),
+                None
+            );
+        }
+        for far in [1e3, 1e30, 1e200, f64::MAX, f64::INFINITY] {
+            for v in [LIGHT, LIGHT * 1e20] {
+                let phi = Vector2::new(far, -far);
+                let found = sum_in::<f64>(&family, &v, &phi, &ramp(6), None);
+                assert!(found.is_finite(), "{far}");
+            }
         }
     }
 }

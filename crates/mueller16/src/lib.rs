@@ -6,19 +6,37 @@
 mod accuracy;
 mod autocorrelation;
 mod channels;
+mod domain;
 pub mod element;
+mod footprint;
 mod geometry;
 mod grating;
 mod incident;
 mod interface;
 mod kernel;
+mod lobe;
+mod mode_choice;
+mod openings;
+mod phase_screen;
 mod population;
+mod recurrence;
 mod relief;
+mod scatterers;
+mod shared_shape;
+mod state;
+pub mod surface;
 mod theorem;
 
 pub use accuracy::{Approximation, BadTolerance, Method, Tolerance};
-pub use autocorrelation::{Autocorrelation, AutocorrelationError, GaussianFamily, GaussianTerm};
+pub use autocorrelation::{
+    Autocorrelation, AutocorrelationError, ExponentialHeights, GaussianFamily, GaussianHeights,
+    GaussianTerm, KCorrelatedHeights, KCorrelation, TableError, TabulatedSpectrum,
+};
 pub use channels::{ChannelSet, Channels};
+pub use domain::{Domain, DomainError, MOST_PARAXIAL, MOST_PHASE};
+pub use footprint::{
+    Footprint, FootprintChoice, FootprintError, IncidentPart, Representation, TransferReport,
+};
 pub use geometry::{Geometry, GeometryError, LEAST_COSINE};
 pub use grating::{
     Blaze, CoupledOrders, Grating, GratingError, LosslessOrders, Mount, Order, PolarizationPattern,
@@ -26,6 +44,13 @@ pub use grating::{
 };
 pub use incident::{IncidentCoherence, IncidentError};
 pub use interface::{ConductorInterface, DielectricInterface, IndexError, Transmitted};
+pub use mode_choice::ModeChoice;
+pub use openings::{
+    AngularSpectrum, LitOpenings, Opening, OpeningError, Openings, PlaneWave, SlitView,
+    fringe_visibility,
+};
 pub use population::{Matter, MatterError, Population};
 pub use relief::{Flat, Relief, Superposed};
+pub use scatterers::{PairFarField, PointScatterer, PointScatterers, ScattererError};
+pub use state::StateTransfer;
 pub use theorem::{Amplitudes, Energy, InteractionError, Transfer};

@@ -168,35 +168,46 @@ impl Matter {
         Ok(modes?)
     }
 
-    /// Covariance of the place of the total scattered intensity, 2×2, m²: the envelopes of `0 → 0` weighted by their
-    /// areas and `R^(0→0)(0)`; about the common centroid. `None` where no intensity is scattered.
+    /// Centroid of the total scattered intensity, m: the phase centre of light of one shape. `None` where no intensity is
+    /// scattered.
     #[must_use]
-    pub fn covariance(&self) -> Option<Matrix2<f64>> {
-        let weights: Vec<f64> = self
-            .envelopes
-            .iter()
-            .enumerate()
-            .map(|(place, envelope)| {
-                let r = self.channels.autocorrelation(0, 0, place);
-                r.map_or(0.0, |r| r.at_zero() * envelope.area())
-            })
-            .collect();
+    pub fn centroid(&self) -> Option<Vector2<f64>> {
+        let weights = self.intensities();
         let total: f64 = weights.iter().sum();
         if total.is_nan() || total <= 0.0 {
             return None;
         }
-        let weighted = || self.envelopes.iter().zip(&weights);
-        let centre: Vector2<f64> = weighted()
-            .map(|(e, w)| e.centroid() * *w)
-            .sum::<Vector2<f64>>()
-            / total;
-        let sum: Matrix2<f64> = weighted()
+        let weighted = self.envelopes.iter().zip(&weights);
+        let sum: Vector2<f64> = weighted.map(|(e, w)| e.centroid() * *w).sum();
+        Some(sum / total)
+    }
+
+    /// Covariance of the place of the total scattered intensity, 2×2, m²: the envelopes of `0 → 0` weighted by their
+    /// areas and `R^(0→0)(0)`; about the common centroid. `None` where no intensity is scattered.
+    #[must_use]
+    pub fn covariance(&self) -> Option<Matrix2<f64>> {
+        let centre = self.centroid()?;
+        let weights = self.intensities();
+        let total: f64 = weights.iter().sum();
+        let sum: Matrix2<f64> = self
+            .envelopes
+            .iter()
+            .zip(&weights)
             .map(|(e, w)| {
                 let d = e.centroid() - centre;
                 (e.covariance() + d * d.transpose()) * *w
             })
             .sum();
         Some(sum / total)
+    }
+
+    /// `R^(0→0)(0)` times the area, for each envelope.
+    fn intensities(&self) -> Vec<f64> {
+        let of_envelope = |(place, envelope): (usize, &Envelope)| {
+            let r = self.channels.autocorrelation(0, 0, place);
+            r.map_or(0.0, |r| r.at_zero() * envelope.area())
+        };
+        self.envelopes.iter().enumerate().map(of_envelope).collect()
     }
 
     /// Asks whether the matter could be made of Jones matrices, at these tangential wave vectors: whether the Mueller

@@ -40,7 +40,7 @@ pub enum SeriesError {
     },
     /// The function would not be Hermitian.
     #[error(
-        "series: coefficient ({a}, {b}) is {value}, expected a {expected} number, since C(−ξ) is the conjugate of \
+        "series: coefficient ({a}, {b}) is {value}, expected a purely {expected} number, since C(−ξ) is the conjugate of \
          C(ξ): even orders are real, odd ones imaginary"
     )]
     NotHermitian {

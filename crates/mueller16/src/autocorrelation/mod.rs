@@ -7,6 +7,24 @@
 //! Real weights make R Hermitian, `R(−x) = R(x)*`, and its transform real; positive ones make it a lobe that is
 //! nowhere negative. Terms of one family differ in width and place only, so that what they share is computed once.
 
+mod charlier;
+mod heights;
+mod poisson;
+
+pub use heights::GaussianHeights;
+mod exponential_heights;
+mod k_correlated_heights;
+mod k_correlation;
+mod least_squares;
+mod phase;
+mod rates;
+mod tabulated;
+
+pub use exponential_heights::ExponentialHeights;
+pub use k_correlated_heights::KCorrelatedHeights;
+pub use k_correlation::KCorrelation;
+pub use tabulated::{TableError, TabulatedSpectrum};
+
 use nalgebra::{Matrix2, Vector2};
 use num_complex::Complex64;
 use smallvec::{SmallVec, smallvec};
@@ -34,6 +52,40 @@ pub enum AutocorrelationError {
         /// Place in the list, from 0.
         index: usize,
         /// `"weight"`, `"rate"` or `"shift"`.
+        what: &'static str,
+        /// What was found.
+        value: f64,
+        /// What should be there.
+        expected: &'static str,
+    },
+    /// A standard deviation of heights is out of its domain.
+    #[error("heights: the standard deviation is {value} m, expected 0 to 1e24 m")]
+    Height {
+        /// What was found.
+        value: f64,
+    },
+    /// The variance of a random phase is out of its domain.
+    #[error("autocorrelation: the variance of the phase is {variance} rad², expected 0 to 1e24")]
+    Phase {
+        /// What was found.
+        variance: f64,
+    },
+    /// Heights are too many wavelengths high, or not a number of them.
+    #[error(
+        "heights: g = (φ_z σ_h)² is {g} at φ_z = {phi_z} rad/m and σ_h = {deviation} m, expected 0 to 1e24"
+    )]
+    Roughness {
+        /// Variance of the phase.
+        g: f64,
+        /// Vertical wave vector.
+        phi_z: f64,
+        /// Standard deviation of the heights, m.
+        deviation: f64,
+    },
+    /// A number that describes a spectrum or a relief is out of its domain.
+    #[error("autocorrelation: the {what} is {value}, expected {expected}")]
+    Number {
+        /// Its name.
         what: &'static str,
         /// What was found.
         value: f64,
@@ -101,6 +153,14 @@ impl GaussianFamily {
             determinant: shape.root_determinant() * plane::determinant(root).signum(),
             terms,
         })
+    }
+
+    /// Other Gaussians, made of some that were checked, over the same root.
+    pub(crate) fn with_terms(&self, terms: SmallVec<[GaussianTerm; 4]>) -> Self {
+        Self {
+            terms,
+            ..self.clone()
+        }
     }
 
     /// The root D, 2×2, m.

@@ -5,7 +5,7 @@
 
 use std::fmt;
 
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{Matrix2, Vector2, Vector3};
 use num_complex::Complex64;
 use serde_json::Value;
 use stokes::MAX_ORDER;
@@ -14,6 +14,9 @@ use super::schema::{Case, CaseError, shown};
 
 /// What messages call a vector of the transverse plane.
 pub const VECTOR: &str = "a list of two numbers";
+
+/// What messages call a vector of space.
+pub const DIRECTION: &str = "a list of three numbers";
 
 /// What messages call a matrix of the transverse plane.
 pub const MATRIX: &str = "a matrix: a list of two rows of two numbers";
@@ -116,6 +119,12 @@ impl<'a> Entry<'a> {
         Ok(values)
     }
 
+    /// Whether this value stands for nothing.
+    #[must_use]
+    pub fn is_null(&self) -> bool {
+        self.value.is_null()
+    }
+
     /// A word.
     ///
     /// # Errors
@@ -152,6 +161,19 @@ impl<'a> Entry<'a> {
         }
         let [re, im] = ["re", "im"].map(|part| self.get(part, "a finite number"));
         Ok(Complex64::new(re?.number()?, im?.number()?))
+    }
+
+    /// A complex number, also as the list of its two parts.
+    ///
+    /// # Errors
+    ///
+    /// When this value is neither a number, an object of `re` and `im`, nor a list of two numbers.
+    pub fn complex_or_parts(&self) -> Result<Complex64, CaseError> {
+        if self.value.is_array() {
+            let [re, im] = self.array_of(Self::number)?;
+            return Ok(Complex64::new(re, im));
+        }
+        self.complex()
     }
 
     /// Whether this value is written as a complex number.
@@ -201,6 +223,15 @@ impl<'a> Entry<'a> {
     pub fn vector(&self) -> Result<Vector2<f64>, CaseError> {
         let [x, y] = self.array()?;
         Ok(Vector2::new(x.number()?, y.number()?))
+    }
+
+    /// A vector of space.
+    ///
+    /// # Errors
+    ///
+    /// When this value is not a list of three numbers.
+    pub fn direction(&self) -> Result<Vector3<f64>, CaseError> {
+        self.array_of(Self::number).map(Vector3::from)
     }
 
     /// A matrix of the transverse plane.

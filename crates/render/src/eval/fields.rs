@@ -5,7 +5,6 @@ use csdm::{
     PolarDecomposition, SchellSource, coherency_matrix,
 };
 use nalgebra::Vector2;
-use num_complex::Complex64;
 use stokes::{Mueller, Wavelength};
 
 use super::entry::Entry;
@@ -49,7 +48,9 @@ pub(super) fn egsm(inputs: &Entry<'_>) -> Result<Item, CaseError> {
     let source = SchellSource::new(
         wavelength(inputs)?,
         [number("Ax")?, number("Ay")?],
-        correlation(&inputs.get("Bxy", "a complex number or its two parts in a list")?)?,
+        inputs
+            .get("Bxy", "a complex number or its two parts in a list")?
+            .complex_or_parts()?,
         number("sigma")?,
         [number("dxx")?, number("dyy")?, number("dxy")?],
     )
@@ -67,16 +68,6 @@ pub(super) fn egsm(inputs: &Entry<'_>) -> Result<Item, CaseError> {
         ("DoP", light.degree_of_polarization().into()),
         ("coherence_widths", Item::Group(widths.into())),
     ]))
-}
-
-/// A complex number, also as the list of its two parts.
-fn correlation(entry: &Entry<'_>) -> Result<Complex64, CaseError> {
-    entry.complex().or_else(|error| match entry.list() {
-        Ok(_) => entry
-            .array_of(Entry::number)
-            .map(|[re, im]| Complex64::new(re, im)),
-        Err(_) => Err(error),
-    })
 }
 
 pub(super) fn coherency(inputs: &Entry<'_>) -> Result<Item, CaseError> {

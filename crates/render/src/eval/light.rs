@@ -27,14 +27,14 @@ pub(super) fn projection(inputs: &Entry<'_>) -> Result<Item, CaseError> {
     let coefficients: Vec<_> = stokes::modes(modes.order())
         .map(|(a, b)| modes.coefficient(a, b))
         .collect();
-    let white = by_order(&modes, |place| coefficients[place]);
+    let white = by_order(modes.order(), |place| coefficients[place]);
     let low = modes.truncated(COVARIANT).0;
     let covariant = low.to_covariant(&shape);
     Ok(Item::Group(vec![
         ("W", (*shape.root()).into()),
         ("Theta", shape.theta().into()),
         ("white", white),
-        ("cov", by_order(&low, |place| covariant[place])),
+        ("cov", by_order(low.order(), |place| covariant[place])),
         ("f0", envelope.area().into()),
     ]))
 }
@@ -49,15 +49,15 @@ pub(super) fn shape(inputs: &Entry<'_>) -> Result<Item, CaseError> {
     ]))
 }
 
-/// The coefficients of a series in rows, one for each total order.
-fn by_order(series: &HermiteSeries, coefficient: impl Fn(usize) -> Complex64) -> Item {
+/// The coefficients of a series up to `order` in rows, one for each total order.
+pub(super) fn by_order(order: usize, coefficient: impl Fn(usize) -> Complex64) -> Item {
     let row = |n| (mode_index(n, 0)..mode_count(n)).map(&coefficient);
-    let rows = (0..=series.order()).map(|n| row(n).collect::<Vec<_>>());
+    let rows = (0..=order).map(|n| row(n).collect::<Vec<_>>());
     rows.collect::<Vec<_>>().into()
 }
 
 /// An intensity profile of peak 1, or a sum of such.
-fn envelope(spec: &Entry<'_>) -> Result<Envelope, CaseError> {
+pub(super) fn envelope(spec: &Entry<'_>) -> Result<Envelope, CaseError> {
     let number = |key| spec.get(key, "a length in metres")?.number();
     let kind = spec.get("kind", KINDS)?;
     let made = match kind.word()? {
@@ -188,7 +188,7 @@ pub(super) fn observables(inputs: &Entry<'_>) -> Result<Item, CaseError> {
     ]))
 }
 
-const ENVELOPE: &str = "an intensity profile: an object with 'kind'";
+pub(super) const ENVELOPE: &str = "an intensity profile: an object with 'kind'";
 const KINDS: &str = "'gaussian', 'rect', 'disk' or 'gaussian_mixture'";
 #[cfg(test)]
 mod tests {

@@ -4,8 +4,10 @@ mod elements;
 pub mod entry;
 mod fields;
 mod functions;
+mod interaction;
 mod layers;
 mod light;
+mod matter;
 pub mod result;
 pub mod schema;
 
@@ -133,6 +135,19 @@ pub const OPS: &[Op] = &[
         fields::egsm,
     ),
     Op::new("coherency", "M", "H, eigenvalues", fields::coherency),
+    Op::new(
+        "scatter",
+        "R, family, n, m, shape, B, phi",
+        "value",
+        matter::scatter,
+    ),
+    Op::new("lobe", "R, phi", "value, coherent_weight", matter::lobe),
+    Op::new(
+        "interaction",
+        "lambda, s, r, to_source, to_observer, t, e_in, e_out, incident, R, I, N_out, xi",
+        "B, phi_t, P_out, A, S, W_out, Theta_out, c_white, c_cov, C_samples, intensity, DoP",
+        interaction::interaction,
+    ),
     Op::new(
         "multilayer",
         "n_incident, layers, n_exit, cos_i, lambda",

@@ -20,41 +20,51 @@ use super::grid::add_products;
 use super::quadrature::{Rules, reach};
 use super::staircase::Staircase;
 
-/// Adds `∫_disk h_a(y₁) h_b(y₂) d²x`, `y = T x`, to `moments`; they have to be turned by the matrix that is returned.
+/// Adds `∫_disk h_a(y₁) h_b(y₂) d²x`, `y = T (x − origin)`, to `moments`; they have to be turned by the matrix that is
+/// returned.
 pub(crate) fn moments(
     radius: f64,
     t: &Matrix2<f64>,
+    origin: &Vector2<f64>,
     order: usize,
     moments: &mut [f64],
 ) -> Matrix2<f64> {
     let SingularValues {
         left,
         values: [t1, t2],
-        ..
+        right,
     } = plane::singular_values(t);
+    let centred = *origin == Vector2::zeros();
+    let o = plane::apply(&right.transpose(), origin);
     let far = reach(order);
-    let end = (far / (t1 * radius)).min(1.0).asin();
+    let angle = |x: f64| (x / radius).clamp(-1.0, 1.0).asin();
+    let end = angle(o.x + far / t1);
+    // one half of a centred disk is as the other
+    let start = if centred { 0.0 } else { angle(o.x - far / t1) };
+    let share = if centred { 2.0 } else { 1.0 };
     // the sine bends the phase; a few more nodes follow it
-    let phase = 2.0 + 1.1 * far * 0.5 * end * radius * (t1 + t2);
+    let phase = 2.0 + 1.1 * far * 0.5 * (end - start) * radius * (t1 + t2);
     let mut rules = Rules::default();
-    let nodes: Vec<_> = rules.on(0.0, end, phase).collect();
+    let nodes: Vec<_> = rules.on(start, end, phase).collect();
     let mut first = [0.0; MAX_ORDER + 1];
     let mut second = [0.0; MAX_ORDER + 1];
     for (theta, weight) in nodes {
         let (sin, cos) = theta.sin_cos();
         let half = radius * cos;
-        hermite::fill(t1 * radius * sin, &mut first[..=order]);
+        hermite::fill(t1 * (radius * sin - o.x), &mut first[..=order]);
         Staircase {
-            edges: &[-half, half],
+            edges: &[-half - o.y, half - o.y],
             values: &[1.0],
         }
         .moments(t2, 0.0, &mut rules, &mut second[..=order]);
-        // odd functions vanish over the whole disk, to the last bit
-        for n in (1..=order).step_by(2) {
-            first[n] = 0.0;
-            second[n] = 0.0;
+        if centred {
+            // odd functions vanish over the whole disk, to the last bit
+            for n in (1..=order).step_by(2) {
+                first[n] = 0.0;
+                second[n] = 0.0;
+            }
         }
-        add_products(2.0 * weight * half, &first, &second, order, moments);
+        add_products(share * weight * half, &first, &second, order, moments);
     }
     left
 }

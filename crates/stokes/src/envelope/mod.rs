@@ -279,21 +279,25 @@ impl Envelope {
         }
     }
 
-    /// `∫ I(x) h_a(y₁) h_b(y₂) d²x` for a + b ≤ `order`, with `y = T (x − centroid)`.
-    fn moments(&self, t: &Matrix2<f64>, order: usize) -> Result<HermiteSeries, EnvelopeError> {
+    /// `∫ I(x) h_a(y₁) h_b(y₂) d²x` for a + b ≤ `order`, with `y = T (x − origin)`.
+    fn moments(
+        &self,
+        t: &Matrix2<f64>,
+        origin: &Vector2<f64>,
+        order: usize,
+    ) -> Result<HermiteSeries, EnvelopeError> {
         let mut moments = vec![0.0; crate::basis::mode_count(order)];
-        let origin = self.centroid();
         let turn = match &self.0 {
             Profile::Gaussians(gaussians) => {
                 for gaussian in gaussians {
-                    gaussian.add_moments(t, &origin, order, &mut moments);
+                    gaussian.add_moments(t, origin, order, &mut moments);
                 }
                 Matrix2::identity()
             }
-            Profile::Disk(radius) => disk::moments(*radius, t, order, &mut moments),
-            Profile::Grid(grid) => grid.moments(t, &origin, order, &mut moments),
+            Profile::Disk(radius) => disk::moments(*radius, t, origin, order, &mut moments),
+            Profile::Grid(grid) => grid.moments(t, origin, order, &mut moments),
             Profile::Rectangle(_) => self.as_grid().map_or_else(Matrix2::identity, |grid| {
-                grid.moments(t, &origin, order, &mut moments)
+                grid.moments(t, origin, order, &mut moments)
             }),
         };
         let straight = HermiteSeries::from_real_coefficients(&moments)?;

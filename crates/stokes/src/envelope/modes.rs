@@ -9,7 +9,7 @@
 //! For `W = D P` the argument is `y = D^(−T) x` in every direction, so that `μ |det W|^(1/2)` belongs to the profile
 //! alone and a direction only changes W.
 
-use nalgebra::Matrix2;
+use nalgebra::{Matrix2, Vector2};
 
 use crate::basis::{mode_count, mode_index};
 use crate::beam::GeneralizedStokes;
@@ -21,7 +21,7 @@ use crate::shape::{self, ShapeError, ShapeMatrix};
 use crate::units::Wavelength;
 use crate::vector::StokesVector;
 
-use super::{Envelope, EnvelopeError, Profile, checked};
+use super::{Envelope, EnvelopeError, Profile, checked, position};
 
 /// How wide a profile's modes are.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,7 +72,8 @@ impl Envelope {
             (HermiteSeries::from_real_coefficients(&real)?, 0.0)
         } else {
             let inverse = plane::inverse(&root);
-            let series = far_field_signs(&self.moments(&inverse.transpose(), order)?)?;
+            let series =
+                far_field_signs(&self.moments(&inverse.transpose(), &self.centroid(), order)?)?;
             let error = self.relative_error(&root, &series)?;
             (series, error)
         };
@@ -105,9 +106,29 @@ impl Envelope {
             let modes = self.modes(ModeWidth::VarianceMatched, order)?;
             return Ok(modes.in_direction(projection)?.1);
         }
+        self.project_about(&self.centroid(), projection, shape, order)
+    }
+
+    /// As [`Envelope::project`] with another phase centre: the modes of `∫ I(x) e^(−i (Pw)·(x − origin)) d²x`, origin in
+    /// metres. Profiles that share a shape share their phase centre too.
+    ///
+    /// # Errors
+    ///
+    /// As [`Envelope::project`]; when a coordinate of the origin is not finite.
+    pub fn project_about(
+        &self,
+        origin: &Vector2<f64>,
+        projection: &Matrix2<f64>,
+        shape: &ShapeMatrix,
+        order: usize,
+    ) -> Result<HermiteSeries, EnvelopeError> {
+        checked(order)?;
+        shape::finite(projection, "projection")?;
+        position("the x of the origin", origin.x)?;
+        position("the y of the origin", origin.y)?;
         let root = shape.root();
         let t = plane::product(projection, &plane::adjugate(root)) / plane::determinant(root);
-        let native = far_field_signs(&self.moments(&t.transpose(), order)?)?;
+        let native = far_field_signs(&self.moments(&t.transpose(), origin, order)?)?;
         Ok(native.scaled(1.0 / shape.root_determinant().sqrt()))
     }
 

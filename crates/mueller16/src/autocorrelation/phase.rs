@@ -1,0 +1,133 @@
+//! The phase that random heights give to light: `R = e^(−g(1−ρ))`, its mirror, its diffuse part and the error of a mixture.
+//!
+//! The error is measured, not estimated: for any two functions of the radius
+//!
+//! ```text
+//! |F{R − R̃}(q)| ≤ 2π |det D| ∫ |R − R̃| u du
+//! ```
+//!
+//! at every q, and equality for one sign at `q = 0`, where the lobe `2π |det D| ∫ (R − e^(−g)) u du` has its largest value.
+
+use nalgebra::Matrix2;
+
+use super::k_correlation::check;
+use super::rates::Point;
+use super::{Autocorrelation, AutocorrelationError, GaussianTerm};
+use crate::accuracy::{Approximation, Method};
+
+/// Largest roughness `(φ_z σ)²`.
+const ROUGHEST: f64 = 1e8;
+
+/// Step of `ln u`.
+const STEP: f64 = 0.125;
+
+/// A correlation of heights at one radius.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Height {
+    /// `u²`
+    pub(super) u2: f64,
+    /// `ρ(u)`
+    pub(super) rho: f64,
+    /// `1 − ρ(u)`
+    pub(super) structure: f64,
+}
+
+/// `u²` on a logarithmic grid, from far outside (190 correlation lengths) in.
+pub(super) fn radii() -> impl Iterator<Item = f64> {
+    (-300..43).rev().map(|k| (2.0 * STEP * f64::from(k)).exp())
+}
+
+/// The part of R that decays, on the grid of radii.
+pub(super) struct Diffuse {
+    /// `u²`, the exact value, and the weight `u du` of the rule.
+    samples: Vec<[f64; 3]>,
+    /// `∫ (R − e^(−g)) u du`
+    pub(super) area: f64,
+}
+
+impl Diffuse {
+    /// For heights of this correlation at the [`radii`].
+    pub(super) fn new(g: f64, heights: impl Iterator<Item = Height>) -> Self {
+        let (mut samples, mut area) = (vec![], 0.0);
+        for Height { u2, rho, structure } in heights {
+            // e^(−g)(e^(gρ) − 1), of which neither factor may overflow
+            let value = if g * rho < 1.0 {
+                (-g).exp() * (g * rho).exp_m1()
+            } else {
+                (-g * structure).exp() - (-g).exp()
+            };
+            let weight = u2 * STEP;
+            area += value * weight;
+            samples.push([u2, value, weight]);
+            // the disk that is left holds 1e-16 of the whole
+            if area > 0.0 && u2 * -(-g).exp_m1() < 1e-16 * area {
+                break;
+            }
+        }
+        Self { samples, area }
+    }
+
+    /// `u²` beyond which this share of the lobe at 0 lies.
+    pub(super) fn end(&self, share: f64) -> f64 {
+        let mut beyond = 0.0;
+        let place = self.samples.iter().position(|[_, value, weight]| {
+            beyond += value * weight;
+            beyond > share * self.area
+        });
+        place.map_or(f64::INFINITY, |place| self.samples[place][0])
+    }
+
+    /// Bound on the lobe's error over its largest value for this measure of rates.
+    pub(super) fn error(&self, points: &[Point]) -> f64 {
+        let errors = self.samples.iter().map(|&[u2, value, weight]| {
+            let sum: f64 = points.iter().map(|[m, w]| w * (-0.5 * m * u2).exp()).sum();
+            (sum - value).abs() * weight
+        });
+        errors.sum::<f64>() / self.area
+    }
+}
+
+/// Whether σ is one.
+pub(super) fn check_deviation(deviation: f64) -> Result<(), AutocorrelationError> {
+    let expected = "a number between 0 and 1e30 m";
+    check(
+        "standard deviation of the heights",
+        deviation,
+        0.0..=1e30,
+        expected,
+    )
+}
+
+/// `g = (φ_z σ)²`
+pub(super) fn roughness(phi_z: f64, deviation: f64) -> Result<f64, AutocorrelationError> {
+    let g = (phi_z * deviation).powi(2);
+    check(
+        "roughness (φ_z σ)²",
+        g,
+        0.0..=ROUGHEST,
+        "a number between 0 and 1e8",
+    )?;
+    Ok(g)
+}
+
+/// The mirror `e^(−g)` and the measure of the rest.
+pub(super) fn with_mirror(
+    root: &Matrix2<f64>,
+    g: f64,
+    (points, error): (Vec<Point>, f64),
+) -> Result<(Autocorrelation, Approximation), AutocorrelationError> {
+    let mirror = GaussianTerm::centred((-g).exp(), 0.0);
+    let rest = points.into_iter().map(|[m, w]| GaussianTerm::centred(w, m));
+    let all = std::iter::once(mirror).chain(rest);
+    let terms: Vec<GaussianTerm> = all.filter(|term| term.weight > 0.0).collect();
+    let approximation = Approximation {
+        method: if g == 0.0 {
+            Method::Exact
+        } else {
+            Method::WidthQuadrature
+        },
+        terms: terms.len(),
+        error,
+    };
+    Ok((Autocorrelation::of_family(root, terms)?, approximation))
+}
