@@ -10,6 +10,7 @@ mod domain;
 pub mod element;
 mod footprint;
 mod geometry;
+mod grating;
 mod incident;
 mod interface;
 mod kernel;
@@ -37,6 +38,10 @@ pub use footprint::{
     Footprint, FootprintChoice, FootprintError, IncidentPart, Representation, TransferReport,
 };
 pub use geometry::{Geometry, GeometryError, LEAST_COSINE};
+pub use grating::{
+    Blaze, CoupledOrders, Grating, GratingError, LosslessOrders, Mount, Order, PolarizationPattern,
+    Profile, Validity,
+};
 pub use incident::{IncidentCoherence, IncidentError};
 pub use interface::{ConductorInterface, DielectricInterface, IndexError, Transmitted};
 pub use mode_choice::ModeChoice;
