@@ -254,11 +254,11 @@ fn scatter(
             .scatter(&modes, geometry, light, Energy::Printed, frame, metres)
             .map_err(|e| distance.refuse(e))?;
         let stokes = amplitudes.stokes(0).to_array();
-        for l in 0..4 {
+        for (l, total) in stokes.into_iter().enumerate() {
             for j in 0..4 {
                 sum.amplitudes[l][j] += unit * amplitudes.channel(j, l, 0);
             }
-            sum.stokes[l] += unit * stokes[l];
+            sum.stokes[l] += unit * total;
             for series in scattered.iter().filter_map(|s| s.components().series(l)) {
                 // the coefficients do not see whether the axes are mirrored, the covariant ones do
                 let covariant = series.truncated(covariant_order).0.to_covariant(&sum.shape);
