@@ -10,6 +10,9 @@ pub const LEAST_COSINE: f64 = 1e-9;
 /// Largest deviation of a given vector from unit length, or of two axes from a right angle.
 const UNIT: f64 = 1e-6;
 
+/// What rounding does to the squared length of a unit vector.
+const ROUNDING: f64 = 1e-14;
+
 /// Why directions, media and a surface make no encounter of light with matter.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum GeometryError {
@@ -144,11 +147,8 @@ impl Geometry {
     ///
     /// When an index is not a number between 1e-3 and 1e3.
     pub fn between(mut self, incident: f64, outgoing: f64) -> Result<Self, GeometryError> {
-        for (side, index) in [("incident", incident), ("outgoing", outgoing)] {
-            if !(1e-3..=1e3).contains(&index) {
-                return Err(GeometryError::Index { side, index });
-            }
-        }
+        check_index("incident", incident)?;
+        check_index("outgoing", outgoing)?;
         self.indices = [incident, outgoing];
         self.momentum = momentum(
             self.to_source,
@@ -206,13 +206,19 @@ impl Geometry {
         let k = self.wavelength.wavenumber().radians_per_metre();
         let [incident, outgoing] = self.indices;
         let given = Vector2::new(t1.dot(&self.to_source), t2.dot(&self.to_source));
-        let o = (phi / k - given * incident) / outgoing;
-        let sine = o.norm();
-        if sine.is_nan() || sine > 1.0 {
-            return Err(GeometryError::Evanescent { sine });
+        let (turned, ratio) = (phi / (k * outgoing), incident / outgoing);
+        let o = turned - given * ratio;
+        // 1 − |o|² from the cosine of the source, so that a mirror keeps its digits at grazing incidence
+        let excess = self.to_source.norm_squared() - 1.0;
+        let excess = if excess.abs() < ROUNDING { 0.0 } else { excess };
+        let squared = (1.0 - ratio) * (1.0 + ratio)
+            + ratio * ratio * (self.cos_incident().powi(2) - excess)
+            + (2.0 * ratio * given - turned).dot(&turned);
+        if squared.is_nan() || squared < 0.0 {
+            return Err(GeometryError::Evanescent { sine: o.norm() });
         }
-        let height = ((1.0 - sine) * (1.0 + sine)).sqrt();
-        let to_observer = t1 * o.x + t2 * o.y + self.normal * height.copysign(self.cos_outgoing());
+        let height = squared.sqrt().copysign(self.cos_outgoing());
+        let to_observer = t1 * o.x + t2 * o.y + self.normal * height;
         Self::new(self.to_source, to_observer, self.tangents, self.wavelength)?
             .between(incident, outgoing)
     }
@@ -343,6 +349,15 @@ impl Geometry {
             }
         }
         Ok(cosines)
+    }
+}
+
+/// The index of a medium that light crosses without loss.
+pub(crate) fn check_index(side: &'static str, index: f64) -> Result<(), GeometryError> {
+    if (1e-3..=1e3).contains(&index) {
+        Ok(())
+    } else {
+        Err(GeometryError::Index { side, index })
     }
 }
 

@@ -18,13 +18,14 @@ mod lobe;
 mod mode_choice;
 mod openings;
 mod phase_screen;
+mod plates;
 mod population;
 mod recurrence;
 mod relief;
 mod scatterers;
 mod shared_shape;
 mod state;
-pub mod surface;
+mod surface;
 mod theorem;
 
 pub use accuracy::{Approximation, BadTolerance, Method, Tolerance};
@@ -40,7 +41,7 @@ pub use footprint::{
 pub use geometry::{Geometry, GeometryError, LEAST_COSINE};
 pub use grating::{
     Blaze, CoupledOrders, Grating, GratingError, LosslessOrders, Mount, Order, PolarizationPattern,
-    Profile, Validity,
+    Profile, Sharing, Validity,
 };
 pub use incident::{IncidentCoherence, IncidentError};
 pub use interface::{ConductorInterface, DielectricInterface, IndexError, Transmitted};
@@ -50,7 +51,11 @@ pub use openings::{
     fringe_visibility,
 };
 pub use population::{Matter, MatterError, Population};
-pub use relief::{Flat, Relief, Superposed};
+pub use relief::{Flat, Relief, SharpOrder, Superposed};
 pub use scatterers::{PairFarField, PointScatterer, PointScatterers, ScattererError};
 pub use state::StateTransfer;
+pub use surface::{
+    Boundary, CrystalPlate, EnergyCap, Film, InternalReflections, Passage, PlaneElement, RayFrames,
+    Specular, Surface, SurfaceError, smith_beckmann,
+};
 pub use theorem::{Amplitudes, Energy, InteractionError, Transfer};

@@ -46,6 +46,16 @@ pub enum CrystalError {
         /// Modulus of the smallest principal index.
         index: f64,
     },
+    /// A cosine and a sine of two angles.
+    #[error(
+        "incidence: cosine {cos_i} and sine {sin_i}, expected those of one angle between 0 and 90° (to 1e-5)"
+    )]
+    Sine {
+        /// Of the angle of incidence.
+        cos_i: f64,
+        /// Of the angle of incidence.
+        sin_i: f64,
+    },
     /// The angles of a direction of incidence.
     #[error(
         "incidence: cosine {cos_i} and azimuth {azimuth} rad, expected a cosine between 0 and 1 and a finite azimuth"

@@ -51,6 +51,7 @@ pub struct CrystalStack {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Incidence {
     cos_i: f64,
+    sin_i: f64,
     azimuth: f64,
 }
 
@@ -102,9 +103,31 @@ impl Incidence {
     /// When the cosine is out of range or the azimuth not finite.
     pub fn new(cos_i: f64, azimuth: f64) -> Result<Self, CrystalError> {
         if (0.0..=1.0).contains(&cos_i) && azimuth.is_finite() {
-            Ok(Self { cos_i, azimuth })
+            let sin_i = ((1.0 - cos_i) * (1.0 + cos_i)).sqrt();
+            Ok(Self {
+                cos_i,
+                sin_i,
+                azimuth,
+            })
         } else {
             Err(CrystalError::Incidence { cos_i, azimuth })
+        }
+    }
+
+    /// As [`Incidence::new`], for an angle of which the sine is known too.
+    ///
+    /// Tilted crystals notice the sine, of which the cosine of light near the normal tells 1e-16/sine and at worst 2e-8.
+    ///
+    /// # Errors
+    ///
+    /// As [`Incidence::new`]; when the sine is not a number between 0 and 1, or the two are not of one angle (to 1e-5).
+    pub fn with_sine(cos_i: f64, sin_i: f64, azimuth: f64) -> Result<Self, CrystalError> {
+        let checked = Self::new(cos_i, azimuth)?;
+        let squares = cos_i * cos_i + sin_i * sin_i;
+        if (0.0..=1.0).contains(&sin_i) && (squares - 1.0).abs() <= 1e-5 {
+            Ok(Self { sin_i, ..checked })
+        } else {
+            Err(CrystalError::Sine { cos_i, sin_i })
         }
     }
 
@@ -122,7 +145,7 @@ impl Incidence {
 
     /// ξ = n₁ sin θ₁.
     pub(super) fn tangential_index(&self, n1: f64) -> f64 {
-        n1 * ((1.0 - self.cos_i) * (1.0 + self.cos_i)).sqrt()
+        n1 * self.sin_i
     }
 }
 

@@ -82,6 +82,17 @@ pub enum AutocorrelationError {
         /// Standard deviation of the heights, m.
         deviation: f64,
     },
+    /// A grating is too deep for its orders to be counted.
+    #[error(
+        "grating: the phase depth is {} rad at φ_z = {phi_z} rad/m and a depth of {depth} m, expected 0 to 1e5 rad",
+        .phi_z.abs() * .depth
+    )]
+    Depth {
+        /// Vertical wave vector.
+        phi_z: f64,
+        /// From the lowest to the highest point, m.
+        depth: f64,
+    },
     /// A number that describes a spectrum or a relief is out of its domain.
     #[error("autocorrelation: the {what} is {value}, expected {expected}")]
     Number {

@@ -79,15 +79,21 @@ impl CoupledOrders {
             mount.incident_tangential(),
             mount.outgoing_tangential(&Vector2::zeros()),
         ];
-        let mut sets = [vec![], vec![]];
-        for side in 0..2 {
-            let unit = k0 * indices[side];
-            for index in grating.propagating(&centres[side], unit, MOST_COUPLED)? {
-                let at = centres[side] + grating.shift(index) / unit;
-                sets[side].extend(cosine(&at).map(|cosine| (index, cosine)));
+        let [k_i, k_o] = mount.signed_wavenumbers();
+        let mut sources = vec![];
+        let unit = k0 * indices[0];
+        for index in grating.propagating(&centres[0], unit, MOST_COUPLED)? {
+            let at = centres[0] + grating.shift(index) / unit;
+            sources.extend(cosine(&at).map(|cosine| (index, cosine)));
+        }
+        let listed = grating.propagating(&centres[1], k0 * indices[1], MOST_COUPLED)?;
+        let mut orders = Vec::with_capacity(listed.len());
+        for index in listed {
+            // rounding at a pass-off may leave none of it
+            if let Some(geometry) = mount.diffracted(&grating.shift(index)) {
+                orders.push(grating.order_at(index, geometry)?);
             }
         }
-        let [mut sources, observers] = sets;
         // as it was given, not by way of its sine
         let here = match sources.iter().position(|(m, _)| *m == [0, 0]) {
             Some(here) => here,
@@ -97,21 +103,20 @@ impl CoupledOrders {
             }
         };
         sources[here].1 = mount.cos_incident();
-        let [k_i, k_o] = mount.signed_wavenumbers();
         let mut shares = Vec::with_capacity(sources.len());
         for (m, cos_i) in &sources {
-            let mut row = Vec::with_capacity(observers.len());
-            for (q, cos_o) in &observers {
-                let phi_z = k_i * cos_i + k_o * cos_o;
+            let mut row = Vec::with_capacity(orders.len());
+            for order in &orders {
+                let phi_z = k_i * cos_i + k_o * order.geometry.cos_outgoing().abs();
                 grating.check_phase(phi_z)?;
+                let q = order.index;
                 let order = [m[0] + q[0], m[1] + q[1]];
                 row.push(grating.amplitude(phi_z, order).norm_sqr());
             }
             shares.push(row);
         }
-        let orders = observers.iter().map(|(q, _)| grating.order(mount, *q));
         Ok(Self {
-            orders: orders.collect::<Result<_, _>>()?,
+            orders,
             shares,
             here,
         })

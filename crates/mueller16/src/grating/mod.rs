@@ -14,6 +14,7 @@ mod mount;
 mod pattern;
 mod profile;
 mod samples;
+mod sharing;
 
 use nalgebra::{Matrix2, Vector2};
 use num_complex::Complex64;
@@ -22,8 +23,8 @@ use thiserror::Error;
 
 use crate::accuracy::{Approximation, Method, Tolerance};
 use crate::autocorrelation::{Autocorrelation, AutocorrelationError, GaussianTerm};
-use crate::geometry::GeometryError;
-use crate::relief::Relief;
+use crate::geometry::{Geometry, GeometryError};
+use crate::relief::{Relief, SharpOrder};
 use profile::check;
 use samples::Samples;
 
@@ -31,6 +32,7 @@ pub use coupling::{CoupledOrders, LosslessOrders};
 pub use mount::{Mount, Order};
 pub use pattern::PolarizationPattern;
 pub use profile::{Blaze, Profile};
+pub use sharing::Sharing;
 
 /// Largest phase depth `|φ_z| depth`, rad, for which orders are computed.
 const DEEPEST: f64 = 1e5;
@@ -105,6 +107,9 @@ pub enum GratingError {
     /// The directions.
     #[error(transparent)]
     Geometry(#[from] GeometryError),
+    /// The roughness on the grating.
+    #[error(transparent)]
+    Autocorrelation(#[from] AutocorrelationError),
 }
 
 /// A periodic relief: lines, lines crossed with others, or cells of any shape.
@@ -132,6 +137,7 @@ pub struct Grating {
     /// Root of S, and the largest `|φ_t|` of interest.
     aperture: Option<Matrix2<f64>>,
     reach: f64,
+    sharing: Sharing,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -194,6 +200,7 @@ impl Grating {
             directions: [first, Vector2::new(-first.y, first.x)],
             aperture: None,
             reach: f64::INFINITY,
+            sharing: Sharing::default(),
         })
     }
 
@@ -337,14 +344,9 @@ impl Relief for Grating {
         phi_z: f64,
         tolerance: Tolerance,
     ) -> Result<(Autocorrelation, Approximation), AutocorrelationError> {
-        let depth = phi_z.abs() * self.depth();
-        if !(0.0..=DEEPEST).contains(&depth) {
-            return Err(AutocorrelationError::Term {
-                index: 0,
-                what: "phase depth",
-                value: depth,
-                expected: "a number from 0 to 1e5 rad",
-            });
+        let depth = self.depth();
+        if !(0.0..=DEEPEST).contains(&(phi_z.abs() * depth)) {
+            return Err(AutocorrelationError::Depth { phi_z, depth });
         }
         let chosen = choice::choose(self, phi_z, tolerance.get());
         let rate = if self.aperture.is_some() { 1.0 } else { 0.0 };
@@ -360,6 +362,22 @@ impl Relief for Grating {
             error: chosen.error,
         };
         Ok((Autocorrelation::of_family(&root, terms)?, approximation))
+    }
+
+    /// Those that [`Grating::orders`] lists, with the light [`Sharing`] gives them; none that is sharp behind an aperture.
+    fn orders(
+        &self,
+        geometry: &Geometry,
+        tolerance: Tolerance,
+    ) -> Result<Option<Vec<SharpOrder>>, GratingError> {
+        match self.aperture {
+            None => self.sharp_orders(geometry, tolerance).map(Some),
+            Some(_) => Ok(Some(vec![])),
+        }
+    }
+
+    fn energy_cap(&self, geometry: &Geometry) -> Result<f64, GratingError> {
+        self.cap(geometry)
     }
 
     fn slope_covariance(&self) -> Option<Matrix2<f64>> {

@@ -33,7 +33,7 @@ pub(super) const MOST_LISTED: usize = 100_000;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mount {
-    /// The encounter whose observer looks along the normal.
+    /// An encounter with any observer on the side where orders are asked for.
     template: Geometry,
     /// Signs of the sides of source and observer along the normal.
     sides: [f64; 2],
@@ -68,6 +68,24 @@ impl Mount {
         Self::new(to_source, tangents, wavelength, indices, -1.0)
     }
 
+    /// The mount of an encounter: its source, and the side of its observer.
+    ///
+    /// # Errors
+    ///
+    /// When a direction is at grazing incidence.
+    pub fn of(geometry: &Geometry) -> Result<Self, GeometryError> {
+        geometry.cosines()?;
+        Ok(Self::toward(geometry))
+    }
+
+    /// As [`Mount::of`], of an encounter that may graze.
+    pub(super) fn toward(geometry: &Geometry) -> Self {
+        Self {
+            template: *geometry,
+            sides: [geometry.cos_incident(), geometry.cos_outgoing()].map(f64::signum),
+        }
+    }
+
     fn new(
         to_source: Vector3<f64>,
         tangents: [Vector3<f64>; 2],
@@ -77,30 +95,18 @@ impl Mount {
     ) -> Result<Self, GeometryError> {
         let [t1, t2] = tangents;
         let incident = t1.cross(&t2).dot(&to_source).signum();
-        let sides = [incident, side * incident];
-        let above = t1.cross(&t2) * sides[1];
+        let above = t1.cross(&t2) * (side * incident);
         let template = Geometry::new(to_source, above, tangents, wavelength)?
             .between(indices[0], indices[1])?;
-        template.cosines()?;
-        Ok(Self { template, sides })
+        Self::of(&template)
     }
 
     /// The encounter in which the surface gives light the tangential wave vector `shift`, rad/m, such as `qG`; `None`
     /// where no propagating direction has it.
     #[must_use]
     pub fn diffracted(&self, shift: &Vector2<f64>) -> Option<Geometry> {
-        let tangential = self.outgoing_tangential(shift);
-        let cosine = cosine(&tangential)? * self.sides[1];
-        let to_observer = self.direction(&tangential, cosine);
-        let geometry = &self.template;
-        Geometry::new(
-            geometry.to_source(),
-            to_observer,
-            geometry.tangents(),
-            geometry.wavelength(),
-        )
-        .and_then(|found| found.between(geometry.n_incident(), geometry.n_outgoing()))
-        .ok()
+        let found = self.template.observed_at(shift).ok()?;
+        (found.cos_outgoing() != 0.0).then_some(found)
     }
 
     /// The mount of light that comes back along an order, in the medium where that order is.
@@ -109,16 +115,7 @@ impl Mount {
     ///
     /// When the order is at grazing incidence.
     pub fn reversed(&self, order: &Order) -> Result<Self, GeometryError> {
-        let back = order.geometry.reversed();
-        let indices = [back.n_incident(), back.n_outgoing()];
-        let side = self.sides[0] * self.sides[1];
-        Self::new(
-            back.to_source(),
-            back.tangents(),
-            back.wavelength(),
-            indices,
-            side,
-        )
+        Self::of(&order.geometry.reversed())
     }
 
     /// `o_t = (−n_i i_t + shift/k₀)/n_o`
@@ -155,11 +152,6 @@ impl Mount {
 
     pub(super) fn indices(&self) -> [f64; 2] {
         [self.template.n_incident(), self.template.n_outgoing()]
-    }
-
-    fn direction(&self, tangential: &Vector2<f64>, cosine: f64) -> Vector3<f64> {
-        let [t1, t2] = self.template.tangents();
-        t1 * tangential.x + t2 * tangential.y + self.template.normal() * cosine
     }
 }
 
@@ -216,7 +208,11 @@ impl Grating {
         self.order_at(index, geometry)
     }
 
-    fn order_at(&self, index: [i32; 2], geometry: Geometry) -> Result<Order, GratingError> {
+    pub(super) fn order_at(
+        &self,
+        index: [i32; 2],
+        geometry: Geometry,
+    ) -> Result<Order, GratingError> {
         let phi_z = geometry.normal_component();
         self.check_phase(phi_z)?;
         let share = self.amplitude(phi_z, index).norm_sqr();

@@ -5,9 +5,12 @@ use std::ops::RangeInclusive;
 
 use num_complex::Complex64;
 
-use super::GratingError;
 use super::bessel::bessel_j;
 use super::samples::Samples;
+use super::{DEEPEST, GratingError};
+
+/// Orders of a sine beyond this are 0 for every phase that is not too deep: `J_q(z) ≤ (ez/2q)^q`.
+const LAST_OF_SINE: u32 = 1 << 18;
 
 /// Which way the long facet of a blazed grating rises.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -161,12 +164,13 @@ impl Profile {
 
     /// The amplitude `t_q` of order `q` for the vertical wave vector `phi_z`, rad/m; complex, of modulus at most 1.
     ///
-    /// Absolute error of a few `f64::EPSILON` times `1 + |φ_z| depth`. A sinusoidal profile takes a sweep over
+    /// Absolute error of a few `f64::EPSILON` times `1 + |φ_z| depth`; not a number where that phase is beyond 1e5, which
+    /// surfaces refuse. A sinusoidal profile takes a sweep over
     /// `max(|q|, φ_z depth/2)` orders, a sampled one a sum over its samples, the others a step for each segment.
     #[must_use]
     pub fn amplitude(&self, phi_z: f64, q: i32) -> Complex64 {
         match &self.0 {
-            Shape::Sampled(samples) => samples.amplitude(phi_z, [q, 0]),
+            Shape::Sampled(samples) if self.is_countable(phi_z) => samples.amplitude(phi_z, [q, 0]),
             _ => self.amplitudes(phi_z, q..=q)[0],
         }
     }
@@ -174,16 +178,19 @@ impl Profile {
     /// The amplitudes of a range of orders, computed together.
     #[must_use]
     pub fn amplitudes(&self, phi_z: f64, orders: RangeInclusive<i32>) -> Vec<Complex64> {
+        if !self.is_countable(phi_z) {
+            return orders.map(|_| Complex64::new(f64::NAN, f64::NAN)).collect();
+        }
         match &self.0 {
             Shape::Sinusoidal { depth } => {
-                let last = orders
-                    .start()
-                    .unsigned_abs()
-                    .max(orders.end().unsigned_abs());
-                let values = bessel_j(0.5 * phi_z * depth, last as usize);
+                let [first, last] = [orders.start(), orders.end()].map(|q| q.unsigned_abs());
+                let last = first.max(last).min(LAST_OF_SINE) as usize;
+                let values = bessel_j(0.5 * phi_z * depth, last);
                 // t_q = (−i)^q J_q, the same for −q
-                let of =
-                    |q: i32| power_of_minus_i(q.unsigned_abs()) * values[q.unsigned_abs() as usize];
+                let of = |q: i32| {
+                    let value = values.get(q.unsigned_abs() as usize);
+                    power_of_minus_i(q.unsigned_abs()) * value.copied().unwrap_or(0.0)
+                };
                 orders.map(of).collect()
             }
             Shape::Lamellar { depth, ridge } => {
@@ -212,6 +219,11 @@ impl Profile {
                 .collect(),
             Shape::Sampled(samples) => samples.line_amplitudes(phi_z, orders),
         }
+    }
+
+    /// Whether the phase is shallow enough for orders.
+    fn is_countable(&self, phi_z: f64) -> bool {
+        phi_z.abs() * self.depth() <= DEEPEST
     }
 
     /// Mean square slope for the pitch in metres; `None` where the profile has a step or is known at points only.

@@ -59,7 +59,7 @@ pub enum OpeningError {
         source_distance: f64,
         /// Distance of the receiver, m.
         observer: f64,
-        /// `k extent² (1/s + 1/r)/2`.
+        /// `k extent² (n_i/s + n_o/r)/2`.
         phase: f64,
         /// The tolerance.
         limit: f64,
@@ -80,7 +80,7 @@ pub enum OpeningError {
         source_distance: f64,
         /// Distance of the receiver, m.
         observer: f64,
-        /// `k (a² + b²) (1/s + 1/r)/8`.
+        /// `k (a² + b²) (n_i/s + n_o/r)/8`.
         phase: f64,
         /// The tolerance.
         limit: f64,

@@ -123,6 +123,12 @@ impl AngularSpectrum {
             0 => series.sum_at_zero().abs(),
             _ => series.real_coefficients().iter().map(|s| s.abs()).sum(),
         };
+        if size == 0.0 {
+            // no light: any one wave has none of it
+            let mut dark = Self::plane_wave();
+            dark.waves[0].weight = 0.0;
+            return Ok(dark);
+        }
         let epsilon = (0.5 * tolerance / size).clamp(1e-17, 0.25);
         let [first, second] = phases.map(|phase| match series.order() {
             0 => gaussian_rule(phase, epsilon),

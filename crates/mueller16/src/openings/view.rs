@@ -9,7 +9,7 @@ use super::error::OpeningError;
 use super::screen::{Openings, curvature, sinc};
 use super::spectrum::AngularSpectrum;
 use crate::accuracy::Tolerance;
-use crate::geometry::{GeometryError, LEAST_COSINE};
+use crate::geometry::{GeometryError, LEAST_COSINE, check_index};
 
 /// A screen between a source and a receiver that may be too near for one phase over all openings.
 ///
@@ -72,7 +72,7 @@ impl Openings {
             indices: [1.0; 2],
             limit: tolerance.get(),
         };
-        view.check_far_fields()?;
+        view.check_far_fields(&source)?;
         Ok(view)
     }
 }
@@ -84,13 +84,10 @@ impl SlitView<'_> {
     ///
     /// When an index is not a number between 1e-3 and 1e3, or an opening is in its near field there.
     pub fn between(mut self, incident: f64, outgoing: f64) -> Result<Self, OpeningError> {
-        for (side, index) in [("incident", incident), ("outgoing", outgoing)] {
-            if !(1e-3..=1e3).contains(&index) {
-                return Err(GeometryError::Index { side, index }.into());
-            }
-        }
+        check_index("incident", incident)?;
+        check_index("outgoing", outgoing)?;
         self.indices = [incident, outgoing];
-        self.check_far_fields()?;
+        self.check_far_fields(&self.source)?;
         Ok(self)
     }
 
@@ -112,11 +109,12 @@ impl SlitView<'_> {
     /// # Errors
     ///
     /// When a wave of the light comes from no direction: its wave vector is not below the wavenumber, or it comes along the
-    /// screen.
+    /// screen; when an opening is in the near field of the point where a wave comes from.
     pub fn transfer_of(&self, light: &AngularSpectrum) -> Result<Mueller, OpeningError> {
         let mut sum = Matrix4::zeros();
         for wave in light.waves() {
             let source = self.source_of(&wave.wave_vector)?;
+            self.check_far_fields(&source)?;
             sum += self.jones_from(&source).mueller().to_matrix() * wave.weight;
         }
         Ok(Mueller::from(sum) * self.scale())
@@ -140,13 +138,10 @@ impl SlitView<'_> {
     }
 
     /// An error for an opening at whose corner spherical waves leave plane ones by more than the limit.
-    fn check_far_fields(&self) -> Result<(), OpeningError> {
+    fn check_far_fields(&self, source: &Vector3<f64>) -> Result<(), OpeningError> {
         for (index, o) in self.openings.openings().iter().enumerate() {
             let middle = o.centre.push(0.0);
-            let distances = [
-                (self.source - middle).norm(),
-                (self.observer - middle).norm(),
-            ];
+            let distances = [(source - middle).norm(), (self.observer - middle).norm()];
             let square = 0.25 * (o.width * o.width + o.height * o.height);
             let phase = curvature(distances, self.indices, self.wavelength) * square;
             let limit = self.limit;

@@ -56,7 +56,7 @@ impl Boundary {
     ///
     /// Brewster's angle: only s-light is reflected, 14.8 % of it
     /// ```
-    /// use mueller16::{DielectricInterface, Geometry, surface::{Boundary, RayFrames}};
+    /// use mueller16::{DielectricInterface, Geometry, Boundary, RayFrames};
     /// use nalgebra::Vector3;
     /// let glass = Boundary::Dielectric(DielectricInterface::new(1.0, 1.5)?);
     /// let (sin, cos) = 1.5f64.atan().sin_cos();

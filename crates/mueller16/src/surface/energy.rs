@@ -44,7 +44,8 @@ impl EnergyCap {
     ///
     /// # Errors
     ///
-    /// When the lobe of the relief is not round and centred, or the relief has no autocorrelation for some `φ_z`.
+    /// When the lobe of the relief is not round and centred, the relief has no autocorrelation for some `φ_z`, or an index
+    /// is not a number between 1e-3 and 1e3.
     pub fn new(
         relief: &impl Relief,
         energy: Energy,
@@ -58,7 +59,7 @@ impl EnergyCap {
         let from = |incident, passage| {
             Table::new(&Hemisphere::new(
                 relief, energy, slopes, wavelength, incident, passage, tolerance,
-            ))
+            )?)
         };
         let mut tables = vec![from(incident, passage)?];
         if let Passage::TransmissionInto(other) = passage {

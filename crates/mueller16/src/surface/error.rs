@@ -16,6 +16,9 @@ pub enum SurfaceError {
     /// The relief.
     #[error(transparent)]
     Relief(#[from] AutocorrelationError),
+    /// The orders of a grating.
+    #[error(transparent)]
+    Grating(#[from] crate::grating::GratingError),
     /// The theorem.
     #[error(transparent)]
     Interaction(#[from] InteractionError),
@@ -31,6 +34,12 @@ pub enum SurfaceError {
         ray: &'static str,
         /// The angle.
         angle: f64,
+    },
+    /// A cosine of incidence is none.
+    #[error("surface: the cosine of incidence is {found}, expected a number from 1e-9 to 1")]
+    Cosine {
+        /// What was found.
+        found: f64,
     },
     /// The geometry is between other media than the boundary.
     #[error(

@@ -6,8 +6,10 @@ use stokes::{Frame, FrameError, FrameRotation, Mueller};
 use super::error::SurfaceError;
 use crate::geometry::Geometry;
 
-/// Sine below which the plane of incidence is taken anywhere: what it decides is of the order of its square.
-const NO_PLANE: f64 = 1e-8;
+/// Sine below which the plane of incidence is taken anywhere: what it decides is of the order of the sine.
+///
+/// Above it, s is known to rounding over the sine, and what depends on s is of the order of the sine.
+const NO_PLANE: f64 = 1e-14;
 /// Largest angle between a ray and its frame.
 const SAME_RAY: f64 = 1e-6;
 
@@ -74,6 +76,8 @@ pub(super) struct Facet {
     pub(super) transmitted: bool,
     /// Cosine of the angle of incidence on the facet, in `0.0..=1.0`.
     pub(super) cos_i: f64,
+    /// Its sine, to its own digits near the normal.
+    pub(super) sin_i: f64,
     /// `normal × propagation`, unit length, common to both rays.
     s: Vector3<f64>,
 }
@@ -115,6 +119,7 @@ impl Facet {
             from_behind: geometry.cos_incident() < 0.0,
             transmitted,
             cos_i: cos_i.min(1.0),
+            sin_i: sine.min(1.0),
             s,
         })
     }

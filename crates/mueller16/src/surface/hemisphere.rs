@@ -8,6 +8,7 @@ use super::quadrature::{graded, integrate};
 use super::{Passage, smith_beckmann};
 use crate::accuracy::Tolerance;
 use crate::autocorrelation::Autocorrelation;
+use crate::geometry::{LEAST_COSINE, check_index};
 use crate::relief::Relief;
 use crate::theorem::Energy;
 
@@ -44,12 +45,14 @@ impl<'a, R: Relief> Hemisphere<'a, R> {
         incident: f64,
         passage: Passage,
         tolerance: f64,
-    ) -> Self {
+    ) -> Result<Self, SurfaceError> {
         let (outgoing, reflected) = match passage {
             Passage::Reflection => (incident, true),
             Passage::TransmissionInto(other) => (other, false),
         };
-        Self {
+        check_index("incident", incident)?;
+        check_index("outgoing", outgoing)?;
+        Ok(Self {
             relief,
             energy,
             slopes,
@@ -57,7 +60,7 @@ impl<'a, R: Relief> Hemisphere<'a, R> {
             indices: [incident, outgoing],
             reflected,
             tolerance,
-        }
+        })
     }
 
     /// The vertical wave vector for two cosines, both positive.
@@ -101,6 +104,9 @@ impl<'a, R: Relief> Hemisphere<'a, R> {
 
     /// Errors below the tolerance times itself and times the share.
     pub(super) fn albedo(&self, cos_i: f64) -> Result<Albedo, SurfaceError> {
+        if !(LEAST_COSINE..=1.0).contains(&cos_i) {
+            return Err(SurfaceError::Cosine { found: cos_i });
+        }
         let share = self.diffuse_share(cos_i)?;
         let diffuse = if share > 0.0 {
             self.integral(cos_i, share)?

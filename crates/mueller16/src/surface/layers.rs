@@ -134,10 +134,9 @@ impl CrystalPlate {
         geometry: &Geometry,
         facet: &Facet,
     ) -> Result<Mueller, SurfaceError> {
-        let cosine = if facet.from_behind {
+        let (cosine, sine) = if facet.from_behind {
             let [front, back] = self.indices;
-            let ratio = back / front;
-            let sine = ratio * ((1.0 - facet.cos_i) * (1.0 + facet.cos_i)).sqrt();
+            let sine = back / front * facet.sin_i;
             let squared = (1.0 - sine) * (1.0 + sine);
             if squared <= 0.0 && facet.transmitted {
                 return Ok(dark());
@@ -147,11 +146,11 @@ impl CrystalPlate {
                     cosine: facet.cos_i,
                 });
             }
-            squared.sqrt()
+            (squared.sqrt(), sine)
         } else {
-            facet.cos_i
+            (facet.cos_i, facet.sin_i)
         };
-        let incidence = Incidence::new(cosine, facet.azimuth(geometry))?;
+        let incidence = Incidence::with_sine(cosine, sine, facet.azimuth(geometry))?;
         let wavelength = geometry.wavelength();
         let jones = match self.reflections {
             InternalReflections::Incoherent { coherent_below } => {
@@ -200,7 +199,7 @@ impl PlaneElement {
     ///
     /// An ideal polarizer: nothing is reflected, and the field along the first tangent passes.
     /// ```
-    /// use mueller16::surface::PlaneElement;
+    /// use mueller16::PlaneElement;
     /// use stokes::Mueller;
     /// let polarizer = mueller16::element::linear_polarizer().to_mueller();
     /// assert!(PlaneElement::new(&Mueller::depolarizer(0.0), &polarizer).is_ok());

@@ -14,7 +14,6 @@ mod error;
 mod facet;
 mod hemisphere;
 mod layers;
-mod plates;
 mod quadrature;
 mod shadowing;
 mod specular;
@@ -28,7 +27,6 @@ pub use energy::EnergyCap;
 pub use error::SurfaceError;
 pub use facet::RayFrames;
 pub use layers::{CrystalPlate, Film, InternalReflections, PlaneElement};
-pub use plates::{absorber, depolarizer, linear_polarizer, linear_retarder, uniform};
 pub use shadowing::smith_beckmann;
 pub use specular::Specular;
 
@@ -44,7 +42,7 @@ use crate::theorem::Energy;
 ///
 /// Gold, smooth: a mirror and nothing else.
 /// ```
-/// use mueller16::surface::{Boundary, RayFrames, Surface};
+/// use mueller16::{Boundary, RayFrames, Surface};
 /// use mueller16::{ConductorInterface, Flat, Geometry, Tolerance};
 /// use nalgebra::Vector3;
 /// let gold = Boundary::Conductor(ConductorInterface::new(1.0, 0.183, 3.43)?);
@@ -74,7 +72,7 @@ impl<R: Relief> Surface<R> {
         Self::with_energy(boundary, relief, Energy::HeightSurface)
     }
 
-    /// A phase screen or a grating, without obliquity factor.
+    /// A phase screen or a grating, without obliquity factor. Gratings share their light as their [`crate::Sharing`] says.
     #[must_use]
     pub fn of_phases(boundary: Boundary, relief: R) -> Self {
         Self::with_energy(boundary, relief, Energy::Conserving)
@@ -134,13 +132,13 @@ impl<R: Relief> Surface<R> {
     }
 
     /// The diffuse albedo `∫ f cos_o dω` with `M = 1`, shadowing included and without cap, for light at `cosine` in
-    /// `0.0..=1.0`; dimensionless.
+    /// `1e-9..=1.0`; dimensionless.
     ///
     /// By quadrature over the hemisphere, to the tolerance, but no better than 1e-9.
     ///
     /// # Errors
     ///
-    /// As [`EnergyCap::new`].
+    /// As [`EnergyCap::new`], and when the cosine is out of its range.
     pub fn diffuse_albedo(
         &self,
         cosine: f64,
@@ -158,7 +156,7 @@ impl<R: Relief> Surface<R> {
             incident,
             passage,
             tolerance.get().max(1e-9),
-        );
+        )?;
         Ok(hemisphere.albedo(cosine)?.diffuse)
     }
 
@@ -238,7 +236,8 @@ impl<R: Relief> Surface<R> {
         if mueller.element(0, 0) == 0.0 {
             return Ok(none());
         }
-        let factor = self.shadowed(geometry) * self.capped(geometry)?;
+        let capped = self.capped(geometry)? * self.relief.energy_cap(geometry)?;
+        let factor = self.shadowed(geometry) * capped;
         let phi_z = geometry.normal_component();
         let (r, _) = self.relief.autocorrelation(phi_z, tolerance)?;
         Ok((mueller, r.without_deltas().scaled(factor)))

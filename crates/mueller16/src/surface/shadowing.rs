@@ -17,7 +17,7 @@ use nalgebra::{Matrix2, Vector2};
 /// ```
 /// use nalgebra::{Matrix2, Vector2};
 /// let slopes = Matrix2::from_diagonal_element(0.125);
-/// let g1 = mueller16::surface::smith_beckmann(&slopes, 80f64.to_radians().cos(), &Vector2::x());
+/// let g1 = mueller16::smith_beckmann(&slopes, 80f64.to_radians().cos(), &Vector2::x());
 /// assert!((g1 - 0.715620).abs() < 1e-6);
 /// ```
 #[must_use]

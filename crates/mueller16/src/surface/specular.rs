@@ -8,9 +8,9 @@ use super::facet::RayFrames;
 use super::{Boundary, Surface};
 use crate::accuracy::Tolerance;
 use crate::autocorrelation::Autocorrelation;
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, GeometryError};
 use crate::population::Population;
-use crate::relief::Relief;
+use crate::relief::{Relief, SharpOrder};
 
 /// Light that leaves a surface in one direction: `weight · mueller` of the incident power.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,6 +22,7 @@ pub struct Specular {
     /// Its tangential wave vector `φ_t`, rad/m: 0 for mirror and Snell pairs, qG for an order.
     pub place: Vector2<f64>,
     /// Share of the power: `e^(−g)`, or the efficiency of the order, for the `φ_z` of this direction.
+    /// See [`crate::Sharing`] for gratings.
     pub weight: f64,
     /// What the facet does, `M(n)` for mirror and Snell pairs.
     pub mueller: Mueller,
@@ -40,14 +41,33 @@ impl<R: Relief> Surface<R> {
     /// Every direction into which light leaves sharply: on the observer's side of the encounter, from its source. The
     /// observer's direction itself does not matter.
     ///
-    /// Each direction has its own `φ_z`, for which the relief is asked again. Orders below the tolerance, and those that
-    /// do not propagate, are left out. Without obliquity, shadowing or cap: weights of one encounter need not add up to 1
-    /// for gratings. The matrix leads from the frame `incident` to that of s about the surface's normal.
+    /// Each direction has its own `φ_z`. Orders are those of [`Relief::orders`], shared so that no more leaves than comes;
+    /// without them, what does not decay in R, asked again for the `φ_z` of each. Those below the tolerance, and those that do
+    /// not propagate, are left out. Without obliquity, shadowing or cap for the diffuse part. The matrix leads from the
+    /// frame `incident` to that of s about the surface's normal.
+    ///
+    /// The grooves of a disc of 1.6 µm pitch, deep enough to send light into four orders beside the mirror:
+    /// ```
+    /// use mueller16::{Boundary, Geometry, Grating, Profile, RayFrames, Sharing, Surface, Tolerance};
+    /// use nalgebra::{Vector2, Vector3};
+    /// let disc = Grating::lines(1.6e-6, Vector2::x(), Profile::sinusoidal(120e-9)?)?;
+    /// let green = stokes::Wavelength::from_metres(550e-9)?;
+    /// let straight = Geometry::on_plane(Vector3::z(), Vector3::z(), green)?;
+    /// let incident = RayFrames::of_surface(&straight)?.incident;
+    /// let total = |sharing| {
+    ///     let surface = Surface::of_phases(Boundary::Mirror, disc.clone().shared(sharing));
+    ///     let beams = surface.specular(&straight, incident, Tolerance::ROUNDING)?;
+    ///     Ok::<f64, mueller16::SurfaceError>(beams.iter().map(|beam| beam.weight).sum())
+    /// };
+    /// assert!((total(Sharing::Capped)? - 0.946).abs() < 5e-4);
+    /// assert!((total(Sharing::Lossless)? - 1.0).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     ///
     /// As [`Boundary::mueller`], when the source is at grazing incidence, and when the relief has no autocorrelation for
-    /// the `φ_z` of a direction.
+    /// the `φ_z` of a direction or more orders than are listed.
     pub fn specular(
         &self,
         geometry: &Geometry,
@@ -55,18 +75,42 @@ impl<R: Relief> Surface<R> {
         tolerance: Tolerance,
     ) -> Result<Vec<Specular>, SurfaceError> {
         geometry.cosines()?;
-        let mut places = self.places(geometry, tolerance)?;
+        let orders = match self.relief.orders(geometry, tolerance)? {
+            Some(orders) => orders,
+            None => self.deltas(geometry, tolerance)?,
+        };
+        let beams = orders.into_iter().map(|order| {
+            let outgoing = RayFrames::of_surface(&order.geometry)?.outgoing;
+            let frames = RayFrames { incident, outgoing };
+            Ok(Specular {
+                geometry: order.geometry,
+                frames,
+                place: order.place,
+                weight: order.weight,
+                mueller: sharp(&self.boundary, &order.geometry, &frames, &order.place)?,
+            })
+        });
+        beams.collect()
+    }
+
+    /// The mirror, and what else R shows that does not decay.
+    fn deltas(
+        &self,
+        geometry: &Geometry,
+        tolerance: Tolerance,
+    ) -> Result<Vec<SharpOrder>, SurfaceError> {
+        let mut places = vec![Vector2::zeros()];
         let mut found = vec![];
         let mut next = 0;
-        while next < places.len() {
-            let place = places[next];
+        while let Some(&place) = places.get(next) {
             next += 1;
-            let Some(beam) = towards(geometry, &place)? else {
-                continue;
+            let geometry = match geometry.observed_at(&place) {
+                Ok(seen) if seen.cos_outgoing() != 0.0 => seen,
+                Ok(_) | Err(GeometryError::Evanescent { .. }) => continue,
+                Err(error) => return Err(error.into()),
             };
-            let (r, _) = self
-                .relief
-                .autocorrelation(beam.normal_component(), tolerance)?;
+            let phi_z = geometry.normal_component();
+            let (r, _) = self.relief.autocorrelation(phi_z, tolerance)?;
             let mut weight = 0.0;
             for (more, at) in r.deltas() {
                 if at == place {
@@ -75,65 +119,16 @@ impl<R: Relief> Surface<R> {
                     places.push(at);
                 }
             }
-            if weight == 0.0 {
-                continue;
+            if weight > 0.0 {
+                found.push(SharpOrder {
+                    geometry,
+                    place,
+                    weight,
+                });
             }
-            let outgoing = RayFrames::of_surface(&beam)?.outgoing;
-            let frames = RayFrames { incident, outgoing };
-            found.push(Specular {
-                geometry: beam,
-                frames,
-                place,
-                weight,
-                mueller: sharp(&self.boundary, &beam, &frames, &place)?,
-            });
         }
         Ok(found)
     }
-
-    /// Where the deltas are for light into the normal and for light that grazes: most, or all, orders.
-    fn places(
-        &self,
-        geometry: &Geometry,
-        tolerance: Tolerance,
-    ) -> Result<Vec<Vector2<f64>>, SurfaceError> {
-        let k0 = geometry.wavelength().wavenumber().radians_per_metre();
-        let across = k0 * geometry.n_incident() * geometry.cos_incident();
-        let upright = k0 * geometry.n_outgoing() * geometry.cos_outgoing().signum();
-        let mut places = vec![Vector2::zeros()];
-        for phi_z in [across, across + 0.5 * upright, across + upright] {
-            for (_, place) in self.relief.autocorrelation(phi_z, tolerance)?.0.deltas() {
-                if !places.contains(&place) {
-                    places.push(place);
-                }
-            }
-        }
-        Ok(places)
-    }
-}
-
-/// The encounter with light that leaves at `φ_t = place` on the observer's side; `None` where it does not propagate.
-fn towards(geometry: &Geometry, place: &Vector2<f64>) -> Result<Option<Geometry>, SurfaceError> {
-    let k0 = geometry.wavelength().wavenumber().radians_per_metre();
-    let [t1, t2] = geometry.tangents();
-    let i = geometry.to_source();
-    let along = Vector2::new(t1.dot(&i), t2.dot(&i));
-    let given = place / (k0 * geometry.n_outgoing());
-    let ratio = geometry.n_incident() / geometry.n_outgoing();
-    let o = given - along * ratio;
-    // 1 − |o|² from the cosine of the source: a mirror keeps its digits at grazing incidence
-    let cos_i = geometry.cos_incident();
-    let squared = (1.0 - ratio) * (1.0 + ratio)
-        + (ratio * cos_i).powi(2)
-        + (2.0 * ratio * along - given).dot(&given);
-    if squared <= 0.0 {
-        return Ok(None);
-    }
-    let side = geometry.cos_outgoing().signum();
-    let observer = t1 * o.x + t2 * o.y + geometry.normal() * (side * squared.sqrt());
-    let beam = Geometry::new(i, observer, [t1, t2], geometry.wavelength())?
-        .between(geometry.n_incident(), geometry.n_outgoing())?;
-    Ok(Some(beam))
 }
 
 fn sharp(

@@ -3,5 +3,6 @@
 mod autocorrelations;
 mod directions;
 mod light;
+mod numbers;
 mod orders;
 mod polarization_patterns;

@@ -6,6 +6,7 @@ mod as_points;
 mod energy;
 mod fresnel_arago;
 mod near_slits;
+mod numbers;
 mod patterns;
 mod point_scatterers;
 mod visibility;

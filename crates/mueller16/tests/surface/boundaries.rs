@@ -1,7 +1,7 @@
 //! Boundaries between air and glass.
 
 use csdm::birefringent::{Crystal, CrystalLayer};
-use mueller16::surface::{Boundary, CrystalPlate, InternalReflections};
+use mueller16::{Boundary, CrystalPlate, InternalReflections};
 use mueller16::{ConductorInterface, DielectricInterface, Geometry};
 use nalgebra::{Matrix3, Vector3};
 use num_complex::Complex64;

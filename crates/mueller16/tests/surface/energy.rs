@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::relief::{PlainHeights, direction, green, heights};
-use mueller16::surface::{Boundary, Passage, RayFrames, Surface, SurfaceError};
+use mueller16::{Boundary, Passage, RayFrames, Surface, SurfaceError};
 use mueller16::{GaussianHeights, Geometry, IncidentCoherence, Relief, Superposed, Tolerance};
 
 /// Of the quadrature in these tests, relative.

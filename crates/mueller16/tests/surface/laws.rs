@@ -6,7 +6,7 @@ use crate::boundaries::{between, crystal, dielectric, gold};
 use crate::relief::{direction, heights};
 use csdm::CloudeSpectrum;
 use csdm::film::Layer;
-use mueller16::surface::{
+use mueller16::{
     Boundary, Film, InternalReflections, PlaneElement, RayFrames, Surface, SurfaceError,
 };
 use mueller16::{Flat, Geometry, IncidentCoherence, Tolerance, element};
@@ -118,13 +118,7 @@ proptest! {
             let Some(there) = answer(boundary.mueller(&geometry, &frames)) else { continue };
             let back = boundary.mueller(&geometry.reversed(), &frames.reversed()).unwrap();
             let (found, expected) = (back.to_matrix(), there.reversed().to_matrix());
-            let mut tolerance = rounding(&geometry);
-            if let Boundary::Crystal(_) = boundary {
-                // a tilted crystal notices the sine of the angle of incidence, which its cosine tells to 1e-16/sine and at
-                // worst to 2e-8; matrices change by up to k₀ d |ε − ε̄| = 5 for each unit of it
-                let sine = i.xy().norm().min(o.xy().norm());
-                tolerance += (2e-15 / sine).min(2e-7);
-            }
+            let tolerance = rounding(&geometry);
             prop_assert!((found - expected).amax() < tolerance,
                 "{boundary:?} {i} {o} {}", (found - expected).amax());
             prop_assert!(there.is_passive(1e-12 + tolerance), "{boundary:?} {there:?}");

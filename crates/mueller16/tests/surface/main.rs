@@ -6,5 +6,7 @@ mod energy;
 mod known;
 mod laws;
 mod microfacets;
+mod numbers;
 mod orders;
+mod plates;
 mod relief;

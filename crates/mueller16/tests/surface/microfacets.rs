@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::relief::{PlainHeights, direction, green, heights};
-use mueller16::surface::{Boundary, RayFrames, Surface, smith_beckmann};
+use mueller16::{Boundary, RayFrames, Surface, smith_beckmann};
 use mueller16::{DielectricInterface, Geometry, IncidentCoherence, Relief, Tolerance};
 use nalgebra::{Vector2, Vector3};
 
