@@ -53,7 +53,7 @@
 //! | ŝ, r̂ | directions to source and observer | 1 | [`Geometry`] | |
 //! | φ = k₀ (n_o r̂ + n_i ŝ) | wave vector given to the matter | rad/m | [`Geometry::momentum_transfer`] | 6 products |
 //! | φ_t, φ_z | its part in the surface, along the normal | rad/m | [`Geometry::tangential`], [`Geometry::normal_component`] | 3 products each |
-//! | M_lj | response at one point; real | 1 | [`Population`], [`surface::Boundary`] | csdm's |
+//! | M_lj | response at one point; real | 1 | [`Population`], [`Boundary`] | csdm's |
 //! | R | autocorrelation, a sum of T Gaussians | 1 | [`Autocorrelation`], [`Relief`] | once for each φ_z |
 //! | g = (φ_z σ_h)² | phase variance of rough heights | rad² | [`GaussianHeights::phase_variance`] | |
 //! | I | envelope | 1 | [`stokes::Envelope`] | once |
@@ -82,11 +82,11 @@
 //!
 //! | matter | where |
 //! |---|---|
-//! | smooth and rough interfaces, films and crystals on them, phase screens | [`surface::Surface`], [`surface::Boundary`] |
+//! | smooth and rough interfaces, films and crystals on them, phase screens | [`Surface`], [`Boundary`] |
 //! | heights: Gaussian, exponential, K-correlated; sums of reliefs | [`GaussianHeights`], [`ExponentialHeights`], [`KCorrelatedHeights`], [`Superposed`] |
 //! | spectra: K-correlation (fractal, exponential), measured | [`KCorrelation`], [`TabulatedSpectrum`] |
 //! | gratings: orders, directions, efficiencies; periodic polarization | [`Grating`], [`CoupledOrders`], [`PolarizationPattern`] |
-//! | polarizers, retarders, depolarizers | [`surface::linear_polarizer`] and its neighbours; [`element`] between the axes of a plate |
+//! | polarizers, retarders, depolarizers | [`Population::polarizer`] and its neighbours; [`element`] between the axes of a plate |
 //! | point scatterers, openings (Lemma 4.3) | [`PointScatterers`], [`Openings`] |
 //!
 //! # Accuracy

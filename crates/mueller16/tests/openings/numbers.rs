@@ -127,3 +127,23 @@ proptest! {
         let _ = slit().points([n[0] * 1e6, n[1] * 1e6], tolerance);
     }
 }
+
+#[test]
+fn radiant_intensity_has_both_cosines_and_the_area() {
+    // straight behind and at 60° from light at 60°: a slit so small that its transform is its area to 1e-9
+    let slit = Openings::new(vec![Opening::clear(Vector2::zeros(), 1e-11, 1e-11)], 1e-8).unwrap();
+    let light = AngularSpectrum::plane_wave();
+    let (sin, cos) = 60f64.to_radians().sin_cos();
+    let oblique = Vector3::new(sin, 0.0, cos);
+    let geometry = Geometry::on_plane(-oblique, Vector3::z(), green()).unwrap();
+    let seen = slit
+        .lit_by(&light)
+        .unwrap()
+        .pattern(&geometry, &[Vector3::z(), oblique])
+        .unwrap();
+    let expected = (1e-22f64 / 550e-9).powi(2);
+    for (found, cosines) in seen.iter().zip([0.5, 0.25]) {
+        let ratio = found.element(0, 0) / (expected * cosines);
+        assert!((ratio - 1.0).abs() < 1e-6, "{ratio}");
+    }
+}
