@@ -23,7 +23,6 @@
 //! the image of the source) keep their digits without a case of their own.
 
 use nalgebra::{Matrix2, Vector2};
-use std::f64::consts::TAU;
 use stokes::{HermiteSeries, Real, plane};
 
 use crate::accuracy::Tolerance;
@@ -32,6 +31,9 @@ use crate::recurrence::{Lobes, Modes};
 
 /// Gaussians that are met side by side.
 const LANES: usize = 4;
+
+/// `√π`
+const PI_ROOT: f64 = 1.772_453_850_905_516;
 
 /// Least Δ: below, its root has no digits, and its Gaussian is a delta.
 const LEAST_DELTA: f64 = 1e-280;
@@ -234,7 +236,7 @@ impl<'a> Meeting<'a> {
         let [r1, r2] = self.squares;
         let delta = self.delta;
         let det_d = self.family.root_determinant().abs();
-        // e^(x/2) leaves room before the largest number, and √x is one that `Real::gaussian` takes
+        // e^(x/2) leaves room before the largest number, and x/2 is one that `Real::decay` takes
         let reach = reach.min(0.9 * T::NEAR.to_f64() * T::NEAR.to_f64());
         // step by step over all lanes, by which each step becomes vector code
         let rate: [f64; L] = std::array::from_fn(|l| terms[l].rate);
@@ -245,9 +247,9 @@ impl<'a> Meeting<'a> {
         });
         // not a number counts as far
         let near = x.map(|x| x <= reach);
-        let t: [f64; L] = std::array::from_fn(|l| if near[l] { x[l] } else { 0.0 }.sqrt());
-        let start = t.map(|t| T::from_f64(t).gaussian());
-        let height = inverse.map(|inverse| TAU * det_d * inverse.sqrt());
+        let start: [T; L] =
+            std::array::from_fn(|l| T::from_f64(if near[l] { 0.5 * x[l] } else { 0.0 }).decay());
+        let height = inverse.map(|inverse| 2.0 * PI_ROOT * det_d * inverse.sqrt());
         let scale: [f64; L] = std::array::from_fn(|l| {
             let factor = terms[l].weight * height[l] * start[l].to_f64();
             if near[l] { factor } else { 0.0 }
@@ -288,7 +290,7 @@ fn sums_of_products<const N: usize>(
     c: [f64; N],
     d: [f64; N],
 ) -> [f64; N] {
-    let (mut sums, mut cancels) = ([0.0; N], false);
+    let (mut sums, mut cancels) = ([0.0; N], [false; N]);
     for i in 0..N {
         let (first, second) = (a[i] * b[i], c[i] * d[i]);
         sums[i] = first + second;
@@ -297,20 +299,20 @@ fn sums_of_products<const N: usize>(
         } else {
             second.abs()
         };
-        cancels |= sums[i].abs() < 0.25 * most;
+        cancels[i] = sums[i].abs() < 0.25 * most;
     }
-    if cancels {
-        cancelling(&a, &b, &c, &d, &mut sums);
+    for i in 0..N {
+        if cancels[i] {
+            sums[i] = cancelling(a[i], b[i], c[i], d[i]);
+        }
     }
     sums
 }
 
 #[cold]
 #[inline(never)]
-fn cancelling(a: &[f64], b: &[f64], c: &[f64], d: &[f64], sums: &mut [f64]) {
-    for (i, sum) in sums.iter_mut().enumerate() {
-        *sum = plane::sum_of_products(a[i], b[i], c[i], d[i]);
-    }
+fn cancelling(a: f64, b: f64, c: f64, d: f64) -> f64 {
+    plane::sum_of_products(a, b, c, d)
 }
 
 #[cfg(test)]

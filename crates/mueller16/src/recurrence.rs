@@ -1,6 +1,15 @@
 //! The recurrence over modes, for several Gaussians side by side, and the sums of series over it.
+//!
+//! A recurrence along one axis, `g_(a+1,b)` from `g_ab`, loses digits where M is far from diagonal: in axes of its own
+//! no step amplifies, in others the coupling `M₁₂` has to cancel what the steps along one axis make too large. By
+//! Euler's theorem the sum of both, which is the same in all axes, needs no cancellation:
+//!
+//! ```text
+//! n g_ab = √a (√2 z₁ g_(a−1,b) + …) + √b (√2 z₂ g_(a,b−1) + …)      n = a + b
+//! u_ab   = √(2/n) (z₁ u_(a−1,b) + z₂ u_(a,b−1))
+//!        + √((n−1)/n) (M₁₁ u_(a−2,b) + 2 M₁₂ u_(a−1,b−1) + M₂₂ u_(a,b−2)),      u_ab = √(n!/(a! b!)) g_ab
+//! ```
 
-use std::f64::consts::FRAC_1_SQRT_2;
 use stokes::{HermiteSeries, Real};
 
 /// Gaussians side by side.
@@ -67,8 +76,8 @@ impl<'a, const J: usize> Modes<'a, J> {
 
     /// `Σ s_ab g_ab` for each series; 0 for one that is absent.
     ///
-    /// Without `ACROSS`, which is for `M₁₂ = 0`, `g_ab = g_a0 g_0b/g_00`. In f64 the error, that of the lobe included,
-    /// is at most `32 (order + 1) ε` of `Σ|s_ab|` times `g_00` at the centre of the lobe (`tests/stability.rs`), in f32
+    /// Without `ACROSS`, which is for `M₁₂ = 0`, its term is left out. In f64 the error, that of the lobe included, is
+    /// at most `32 (order + 1) ε` of `Σ|s_ab|` times `g_00` at the centre of the lobe (`tests/stability.rs`), in f32
     /// 2e-5 of it up to order 64. No allocation. What is absent or shorter, or lies in another lane, changes no bit of
     /// a sum.
     #[inline]
@@ -77,16 +86,17 @@ impl<'a, const J: usize> Modes<'a, J> {
         lobes: &Lobes<T, L>,
     ) -> [[T; L]; J] {
         match self.count {
-            0..=2 => self.sized::<T, L, ACROSS, 2>(lobes),
-            3 => self.sized::<T, L, ACROSS, 3>(lobes),
-            4 => self.sized::<T, L, ACROSS, 4>(lobes),
-            5 => self.sized::<T, L, ACROSS, 5>(lobes),
-            6..=17 => self.sized::<T, L, ACROSS, 17>(lobes),
-            18..=65 => self.sized::<T, L, ACROSS, 65>(lobes),
-            _ => self.sized::<T, L, ACROSS, { stokes::MAX_ORDER + 1 }>(lobes),
+            0..=2 => self.sized::<T, L, ACROSS, 4>(lobes),
+            3 => self.sized::<T, L, ACROSS, 5>(lobes),
+            4 => self.sized::<T, L, ACROSS, 6>(lobes),
+            5 => self.sized::<T, L, ACROSS, 7>(lobes),
+            6..=17 => self.sized::<T, L, ACROSS, 19>(lobes),
+            18..=65 => self.sized::<T, L, ACROSS, 67>(lobes),
+            _ => self.sized::<T, L, ACROSS, { stokes::MAX_ORDER + 3 }>(lobes),
         }
     }
 
+    /// `SIZE` is two more than the largest count.
     #[inline]
     fn sized<T: Real, const L: usize, const ACROSS: bool, const SIZE: usize>(
         &self,
@@ -94,95 +104,106 @@ impl<'a, const J: usize> Modes<'a, J> {
     ) -> [[T; L]; J] {
         let steps = T::steps();
         // known to the compiler where it is small
-        let count = if SIZE <= 5 {
-            SIZE
+        let count = if SIZE <= 7 {
+            SIZE - 2
         } else {
-            self.count.min(SIZE)
+            self.count.min(SIZE - 2)
         };
-        let [z1, z2] = lobes.z;
-        let [m11, m12, m22] = lobes.m;
-        // row b = 0, and the row before it, which is nothing
-        let mut rows = [[[T::zero(); L]; SIZE]; 2];
-        let [row, before] = &mut rows;
-        let (mut row, mut before) = (row, before);
-        row[0] = lobes.start;
-        let mut last = [T::zero(); L];
-        for a in 1..count {
-            let [up, down] = steps[a - 1];
-            let now = row[a - 1];
-            for l in 0..L {
-                row[a][l] = up * z1[l] * now[l] + m11[l] * down * last[l];
-            }
-            last = now;
-        }
+        let ([z1, z2], [m11, m12, m22]) = (lobes.z, lobes.m);
+        // two degrees in turn: (a, b) at the place b + 2, zeros around
+        let mut degrees = [[[T::zero(); L]; SIZE]; 2];
+        let [now, before] = &mut degrees;
+        let (mut now, mut before) = (now, before);
+        now[2] = lobes.start;
         let mut sums = [[T::zero(); L]; J];
-        // row b over row 0, where they are multiples
-        let (mut multiple, mut earlier) = ([T::one(); L], [T::zero(); L]);
-        for b in 0..count {
-            for (j, sum) in sums.iter_mut().enumerate() {
-                let along = self.along(j, b, row);
+        self.add_degree(0, now, &mut sums);
+        for n in 1..count {
+            let [up, down] = steps[n - 1];
+            let along = [z1.map(|z| up * z), z2.map(|z| up * z)];
+            let back = [m11.map(|m| down * m), m22.map(|m| down * m)];
+            let across = m12.map(|m| (down + down) * m);
+            for b in (0..=n).rev() {
                 for l in 0..L {
-                    sum[l] += if ACROSS {
-                        along[l]
+                    let forth = along[0][l] * now[b + 2][l] + along[1][l] * now[b + 1][l];
+                    let back = back[0][l] * before[b + 2][l] + back[1][l] * before[b][l];
+                    before[b + 2][l] = if ACROSS {
+                        forth + (back + across[l] * before[b + 1][l])
                     } else {
-                        along[l] * multiple[l]
+                        forth + back
                     };
                 }
             }
-            let Some([up, down]) = steps.get(b).filter(|_| b + 1 < count).copied() else {
-                break;
-            };
-            let (along, back) = (z2.map(|z| up * z), m22.map(|m| m * down));
-            if !ACROSS {
-                for l in 0..L {
-                    let next = along[l] * multiple[l] + back[l] * earlier[l];
-                    (earlier[l], multiple[l]) = (multiple[l], next);
-                }
-                continue;
-            }
-            let across = m12.map(|m| m * (up * T::from_f64(FRAC_1_SQRT_2)));
-            let mut left = [T::zero(); L];
-            for a in 0..count - b - 1 {
-                let root = T::from_f64(ROOTS[a]);
-                let now = row[a];
-                for l in 0..L {
-                    before[a][l] =
-                        along[l] * now[l] + back[l] * before[a][l] + across[l] * (root * left[l]);
-                }
-                left = now;
-            }
-            std::mem::swap(&mut row, &mut before);
+            std::mem::swap(&mut now, &mut before);
+            self.add_degree(n, now, &mut sums);
         }
         sums
     }
 
-    /// `Σ_a s_ab g_a` of series j over a row.
+    /// Adds `Σ s_ab g_ab` over the modes of degree n.
     #[inline(always)]
-    fn along<T: Real, const L: usize>(&self, j: usize, b: usize, row: &[[T; L]]) -> [T; L] {
-        let (s, stride) = (self.coefficients[j], self.strides[j]);
-        let mut sum = [T::zero(); L];
-        let end = self.counts[j].saturating_sub(b).min(row.len());
-        let mut a = b & (stride - 1);
-        while a < end {
-            let s = T::from_f64(s[stokes::mode_index(a, b)]);
-            for l in 0..L {
-                sum[l] += s * row[a][l];
+    fn add_degree<T: Real, const L: usize, const SIZE: usize>(
+        &self,
+        n: usize,
+        u: &[[T; L]; SIZE],
+        sums: &mut [[T; L]; J],
+    ) {
+        let first = stokes::mode_index(n, 0);
+        let mut long = [0.0; SIZE];
+        let weights = if SIZE - 3 <= TABLED || n <= TABLED {
+            &WEIGHTS[first..=first + n]
+        } else {
+            weights_into(n, &mut long)
+        };
+        for (j, sum) in sums.iter_mut().enumerate() {
+            if n >= self.counts[j] || n & (self.strides[j] - 1) != 0 {
+                continue;
             }
-            a += stride;
+            let s = &self.coefficients[j][first..=first + n];
+            let mut part = [T::zero(); L];
+            for ((s, weight), u) in s.iter().zip(weights).zip(&u[2..]) {
+                let s = T::from_f64(s * weight);
+                for l in 0..L {
+                    part[l] += s * u[l];
+                }
+            }
+            for l in 0..L {
+                sum[l] += part[l];
+            }
         }
-        sum
     }
 }
 
-/// `√0 … √256`.
-static ROOTS: [f64; stokes::MAX_ORDER + 1] = {
-    let (mut roots, mut n) = ([0.0; stokes::MAX_ORDER + 1], 0);
-    while n < roots.len() {
-        roots[n] = ((n as u128) << 118).isqrt() as f64 / (1_u64 << 59) as f64;
+/// Highest degree of [`WEIGHTS`].
+const TABLED: usize = 64;
+
+/// `√(a! b!/n!)` of the modes to degree 64, good to 1 ε: `C(64, 32)` has 61 bits.
+static WEIGHTS: [f64; stokes::mode_count(TABLED)] = {
+    let mut weights = [1.0; stokes::mode_count(TABLED)];
+    let mut n = 1;
+    while n <= TABLED {
+        let (mut b, mut binomial) = (0, 1_u128);
+        while b <= n {
+            let shift = binomial.leading_zeros() & !1;
+            let root = (binomial << shift).isqrt() as f64 / (1_u64 << (shift / 2)) as f64;
+            weights[stokes::mode_index(n - b, b)] = 1.0 / root;
+            binomial = binomial * (n - b) as u128 / (b + 1) as u128;
+            b += 1;
+        }
         n += 1;
     }
-    roots
+    weights
 };
+
+/// The same for any degree: from both ends, each of at most n/2 steps off by 2 ε.
+#[inline(never)]
+fn weights_into(n: usize, weights: &mut [f64]) -> &[f64] {
+    let mut weight = 1.0;
+    for b in 0..=n / 2 {
+        (weights[b], weights[n - b]) = (weight, weight);
+        weight *= ((b + 1) as f64 / (n - b) as f64).sqrt();
+    }
+    &weights[..=n]
+}
 
 #[cfg(test)]
 mod tests {

@@ -376,6 +376,27 @@ fn far_from_the_lobe_and_at_high_order() {
     region.judge("tails, orders to 256, φ to 1e30");
 }
 
+/// Modes whose axes lie askew to those in which M is diagonal: a recurrence along one of them is off by more than the
+/// bound from order 40 on.
+#[test]
+fn with_axes_askew() {
+    let mut region = Region::default();
+    for order in [4, 12, 22, 40, 64] {
+        for angle in [0.3, 0.9, 2.3] {
+            for step in 0..6 {
+                let off = 2e-3 * f64::from(step);
+                let geometry = geometry(GREEN, 0.1, Vector2::new(off, -0.4 * off));
+                for width in [1e4, 3e4, 1e5] {
+                    let v = matrix(1.0, 1.0, angle) * Matrix2::new(width, -0.4 * width, 10.0, 30.0);
+                    let root = matrix(4e-5, 2e-5, 0.3);
+                    region.ask(&geometry, &root, GaussianTerm::centred(1.0, 1.0), &v, order);
+                }
+            }
+        }
+    }
+    region.judge("axes askew");
+}
+
 /// Light of one line and matter without decay across it: what remains is a delta.
 #[test]
 fn a_delta_is_an_error_and_its_neighbours_are_numbers() {

@@ -24,13 +24,18 @@ const TAYLOR: [f64; 12] = {
 /// `π^(-1/4) e^(-t²/2)` for `|t| ≤ 37`, relative error below 4 ε; the polynomial is of degree 13 and off by 5e-18.
 #[inline(always)]
 pub(crate) fn of_f64(t: f64) -> f64 {
+    let head = f64::from_bits(t.to_bits() & !0x07ff_ffff);
+    let d = 0.5 * (head - t) * (head + t);
+    exp_f64(-0.5 * head * head, d, PI_FOURTH_ROOT_INVERSE)
+}
+
+/// `factor e^(x + d)` for `−700 ≤ x ≤ 0` and a small d.
+#[inline(always)]
+pub(crate) fn exp_f64(x: f64, d: f64, factor: f64) -> f64 {
     // a sum with this number is rounded to a whole number, which stands in its last bits
     const WHOLE: f64 = 6_755_399_441_055_744.0; // 1.5 · 2^52
     const LN2: [f64; 2] = [6.931_471_803_691_238e-1, 1.908_214_929_270_587_7e-10];
     const C: [f64; 12] = TAYLOR;
-    let head = f64::from_bits(t.to_bits() & !0x07ff_ffff);
-    let d = 0.5 * (head - t) * (head + t);
-    let x = -0.5 * head * head;
     let shifted = x * std::f64::consts::LOG2_E + WHOLE;
     let m = shifted - WHOLE;
     let power = f64::from_bits(shifted.to_bits().wrapping_add(1023) << 52);
@@ -41,12 +46,20 @@ pub(crate) fn of_f64(t: f64) -> f64 {
     let middle = (C[4] + C[5] * r) + r2 * (C[6] + C[7] * r);
     let high = (C[8] + C[9] * r) + r2 * (C[10] + C[11] * r);
     let q = low + r4 * (middle + r4 * high);
-    (PI_FOURTH_ROOT_INVERSE * power) * (1.0 + (r + r2 * q))
+    (factor * power) * (1.0 + (r + r2 * q))
 }
 
 /// `π^(-1/4) e^(-t²/2)` for `|t| ≤ 12.5`, relative error below 4 ε; the polynomial is of degree 7 and off by 2e-8.
 #[inline(always)]
 pub(crate) fn of_f32(t: f32) -> f32 {
+    let head = f32::from_bits(t.to_bits() & !0xfff);
+    let d = 0.5 * (head - t) * (head + t);
+    exp_f32(-0.5 * head * head, d, PI_FOURTH_ROOT_INVERSE as f32)
+}
+
+/// `factor e^(x + d)` for `−80 ≤ x ≤ 0` and a small d.
+#[inline(always)]
+pub(crate) fn exp_f32(x: f32, d: f32, factor: f32) -> f32 {
     const WHOLE: f32 = 12_582_912.0; // 1.5 · 2^23
     const LN2: [f32; 2] = [0.693_359_375, -2.121_944_4e-4];
     const C: [f32; 6] = {
@@ -57,16 +70,13 @@ pub(crate) fn of_f32(t: f32) -> f32 {
         }
         c
     };
-    let head = f32::from_bits(t.to_bits() & !0xfff);
-    let d = 0.5 * (head - t) * (head + t);
-    let x = -0.5 * head * head;
     let shifted = x * std::f32::consts::LOG2_E + WHOLE;
     let m = shifted - WHOLE;
     let power = f32::from_bits(shifted.to_bits().wrapping_add(127) << 23);
     let r = (x - m * LN2[0]) - m * LN2[1] + d;
     let r2 = r * r;
     let q = (C[0] + C[1] * r) + r2 * ((C[2] + C[3] * r) + r2 * (C[4] + C[5] * r));
-    (PI_FOURTH_ROOT_INVERSE as f32 * power) * (1.0 + (r + r2 * q))
+    (factor * power) * (1.0 + (r + r2 * q))
 }
 
 #[cfg(test)]
@@ -79,6 +89,19 @@ mod tests {
         let tail = t.mul_add(t, -square);
         let value = PI_FOURTH_ROOT_INVERSE * (-0.5 * square).exp();
         value - value * 0.5 * tail
+    }
+
+    #[test]
+    fn a_decay_is_the_exponential() {
+        for i in 0..=400_000 {
+            let x = 680.0 * f64::from(i) / 400_000.0;
+            let error = (exp_f64(-x, 0.0, 1.0) / (-x).exp() - 1.0).abs();
+            // in half units: 0.4 for r, 1 for the sum, 1 for the product; the comparison adds 1 and 1
+            assert!(error < 3.0 * f64::EPSILON, "{x}: {error:e}");
+            let x = (0.1 * x) as f32;
+            let error = (f64::from(exp_f32(-x, 0.0, 1.0)) / (-f64::from(x)).exp() - 1.0).abs();
+            assert!(error < 2.0 * f64::from(f32::EPSILON), "{x}: {error:e}");
+        }
     }
 
     #[test]

@@ -42,6 +42,14 @@ pub trait Real:
     /// `π^(-1/4) e^(-t²/2)` for `|t| ≤ NEAR`, to a few units in the last place.
     fn gaussian(self) -> Self;
 
+    /// `e^(-x)` for `0 ≤ x ≤ NEAR²/2`, to a few units in the last place.
+    ///
+    /// ```
+    /// use stokes::Real;
+    /// assert!((1f64.decay() - 0.367_879_441_171_442_3).abs() < 2e-16);
+    /// ```
+    fn decay(self) -> Self;
+
     /// The factors of the recurrence.
     fn steps() -> &'static [[Self; 2]; MAX_ORDER];
 }
@@ -62,6 +70,11 @@ impl Real for f64 {
     #[inline(always)]
     fn gaussian(self) -> Self {
         gaussian::of_f64(self)
+    }
+
+    #[inline(always)]
+    fn decay(self) -> Self {
+        gaussian::exp_f64(-self, 0.0, 1.0)
     }
 
     #[inline]
@@ -86,6 +99,11 @@ impl Real for f32 {
     #[inline(always)]
     fn gaussian(self) -> Self {
         gaussian::of_f32(self)
+    }
+
+    #[inline(always)]
+    fn decay(self) -> Self {
+        gaussian::exp_f32(-self, 0.0, 1.0)
     }
 
     #[inline]
