@@ -1,7 +1,7 @@
 //! Claim: two reliefs on each other keep the sum of their bounds, whatever the ratio of their widths.
 
-use mueller16::{GaussianHeights, Relief, Superposed, Tolerance};
-use nalgebra::Vector2;
+use mueller16::{Autocorrelation, GaussianHeights, GaussianTerm, Relief, Superposed, Tolerance};
+use nalgebra::{Matrix2, Vector2};
 use std::f64::consts::TAU;
 
 /// `e^(−g) g^m/m!`
@@ -57,5 +57,26 @@ fn the_bounds_of_two_reliefs_add_up() {
                 );
             }
         }
+    }
+}
+
+#[test]
+fn products_of_skew_gaussians_are_products_of_their_values() {
+    let of = |root: Matrix2<f64>, shift: [f64; 2]| {
+        let term = |weight, rate| GaussianTerm {
+            weight,
+            rate,
+            shift: shift.into(),
+        };
+        Autocorrelation::of_family(&root, [term(0.3, 0.0), term(0.7, 1.6)]).unwrap()
+    };
+    let first = of(Matrix2::new(1.3, -0.9, 0.2, 0.7), [0.4, -1.1]);
+    let second = of(Matrix2::new(0.5, 1.1, -0.8, 0.6), [-0.3, 0.2]);
+    let both = first.times(&second).unwrap();
+    for x in [[0.0, 0.0], [0.9, 0.3], [-0.4, 1.2], [1.5, -1.0]] {
+        let x = Vector2::from(x);
+        let off = both.value(&x) - first.value(&x) * second.value(&x);
+        // 4 terms of at most 1, roots of condition 4
+        assert!(off.norm() < 1e-14, "{x} {off}");
     }
 }

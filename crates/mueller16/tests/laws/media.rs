@@ -1,8 +1,9 @@
 //! Claim: in a medium of index n the light of wavelength λ is that of λ/n, on its way to the matter and behind it.
 
-use super::tools::{direction, green};
+use super::tools::{direction, green, incident_frame, outgoing_frame};
 use mueller16::{
     Autocorrelation, Channels, Energy, Footprint, Geometry, GeometryError, IncidentCoherence,
+    Matter, Population,
 };
 use nalgebra::{Matrix2, Vector2, Vector3};
 use std::f64::consts::TAU;
@@ -25,7 +26,7 @@ fn coherence_in_a_medium_is_finer_by_its_index() {
             modes: HermiteSeries::fundamental(1.0),
             stokes: StokesVector::UNPOLARIZED,
         },
-        ShapeMatrix::isotropic(sigma).unwrap(),
+        ShapeMatrix::from_root(&Matrix2::from_diagonal_element(sigma)).unwrap(),
         frame,
         green(),
         s,
@@ -60,6 +61,49 @@ fn coherence_in_a_medium_is_finer_by_its_index() {
     let again = source.coherence(&seen, &modes).unwrap();
     let transfer = channels.transfer(&seen, &again).unwrap().total();
     assert!((transfer.element(0, 0) / expected - 1.0).abs() < 1e-8);
+}
+
+#[test]
+fn scattered_power_has_both_cosines_once() {
+    let geometry =
+        Geometry::on_plane(direction(50.0, 0.0), direction(20.0, 180.0), green()).unwrap();
+    let (area, r, k) = (4e-6, 2.0, TAU / 550e-9);
+    let lobe = Autocorrelation::gaussian(&Matrix2::from_diagonal_element(1e-12)).unwrap();
+    let envelope = Envelope::rectangle(1e-3, 1e-3).unwrap();
+    let plate = Population::of_mueller(&Mueller::identity(), lobe, envelope).unwrap();
+    let matter = Matter::new(vec![plate]).unwrap();
+    let modes = matter.modes(ModeWidth::VarianceMatched, 0).unwrap();
+    // scaled to the power of the plate
+    let modes: Vec<_> = modes.iter().map(|m| m.rescaled().unwrap().0).collect();
+    let light = GeneralizedStokes::new(
+        Components::Shared {
+            modes: HermiteSeries::fundamental(1.0),
+            stokes: StokesVector::UNPOLARIZED,
+        },
+        ShapeMatrix::from_root(&Matrix2::from_diagonal_element(1e-6)).unwrap(),
+        incident_frame(&geometry),
+        green(),
+        1.0,
+    )
+    .unwrap();
+    let scattered = |energy| {
+        let frame = outgoing_frame(&geometry);
+        let parts = matter.scatter(&modes, &geometry, &light, energy, frame, r);
+        parts.unwrap()[0].stokes().stokes.to_array()[0]
+    };
+    // a source of 1 µm at 1 m is a point: ∫ R e^(−iφx) d²x = 2π l² e^(−φ² l²/2)
+    let phi = k * (20f64.to_radians().sin() - 50f64.to_radians().sin());
+    let irradiance = light.stokes().stokes.to_array()[0];
+    let expected = irradiance * area / (r * r) / 550e-9f64.powi(2)
+        * TAU
+        * 1e-12
+        * (-0.5 * phi * phi * 1e-12).exp();
+    let cosines = 20f64.to_radians().cos() * 50f64.to_radians().cos();
+    let found = scattered(Energy::Printed) / expected;
+    // the source's angle of 1e-6 beside the lobe's of 0.1; e^(−φ²l²/2) with an exponent of 10
+    assert!((found - 1.0).abs() < 1e-8, "{found}");
+    let found = scattered(Energy::Conserving) / expected / cosines;
+    assert!((found - 1.0).abs() < 1e-8, "{found}");
 }
 
 #[test]
