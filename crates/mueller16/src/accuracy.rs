@@ -28,6 +28,11 @@ impl Tolerance {
         }
     }
 
+    /// Half of it, down to [`Tolerance::ROUNDING`].
+    pub(crate) fn half(self) -> Self {
+        Self((0.5 * self.0).max(Self::ROUNDING.0))
+    }
+
     /// The relative error.
     #[must_use]
     pub fn get(self) -> f64 {

@@ -51,6 +51,15 @@ pub enum GeometryError {
         /// The cosine.
         cosine: f64,
     },
+    /// No facet takes the one direction into the other with a change of phase.
+    #[error(
+        "geometry: the wave vector along the normal changes by {phi_z} rad/m, expected at least 1e-9 of that of the light: heights \
+         do not change its phase, and no obliquity factor separates from their lobe"
+    )]
+    NoFacet {
+        /// The change, rad/m.
+        phi_z: f64,
+    },
     /// No direction has the tangential wave vector that was asked for.
     #[error(
         "geometry: the outgoing light would need a sine of {sine} with the normal, expected at most 1: it is evanescent and \
@@ -328,10 +337,16 @@ impl Geometry {
     ///
     /// # Errors
     ///
-    /// When a direction is at a cosine below [`LEAST_COSINE`] from the surface.
+    /// When a direction is at a cosine below [`LEAST_COSINE`] from the surface, or `φ_z` vanishes: light that goes straight
+    /// on between media of one index, and pairs of directions that heights cannot tell apart.
     pub fn obliquity(&self) -> Result<f64, GeometryError> {
         let [cos_i, cos_o] = self.cosines()?;
         let phi_z = self.normal_component();
+        let k = self.wavelength.wavenumber().radians_per_metre();
+        let [incident, outgoing] = self.indices;
+        if phi_z.abs() < LEAST_COSINE * k * incident.max(outgoing) {
+            return Err(GeometryError::NoFacet { phi_z });
+        }
         let facets = self.momentum.dot(&self.to_source) * self.momentum.dot(&self.to_observer);
         Ok(facets.abs() / ((cos_i * cos_o).abs() * phi_z * phi_z))
     }

@@ -5,8 +5,8 @@
 //!
 //! ```text
 //! F{e^(−xᵀS⁻¹x/2) h_a h_b(Vx)}(φ) = (−i)^(a+b) g_ab
-//! g_00      = 2√π √|K| e^(−φᵀKφ/2)                               K = (S⁻¹ + VᵀV)⁻¹                        (T6.2)
-//! g_(a+1,b) = [√2 z₁ g_ab + M₁₁ √a g_(a−1,b) + M₁₂ √b g_(a,b−1)]/√(a+1)      z = V K φ,  M = 1 − 2 V K Vᵀ   (T6.3)
+//! g_00      = 2√π √|K| e^(−φᵀKφ/2)                               K = (S⁻¹ + VᵀV)⁻¹
+//! g_(a+1,b) = [√2 z₁ g_ab + M₁₁ √a g_(a−1,b) + M₁₂ √b g_(a,b−1)]/√(a+1)      z = V K φ,  M = 1 − 2 V K Vᵀ
 //! ```
 //!
 //! A series `Σ c_ab φ_ab` with the real coefficients `s_ab = (−i)^(a+b) c_ab` gives `Σ s_ab g_ab`: everything is real.

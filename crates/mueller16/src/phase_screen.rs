@@ -1,6 +1,6 @@
 //! Random phase screens as matter: jointly Gaussian phases on the two axes, their channels and autocorrelations.
 
-use csdm::PhaseScreen;
+use csdm::{CorrelationLengths, PhaseScreen, RoughRetarder};
 use nalgebra::Matrix2;
 use stokes::Mueller;
 
@@ -48,17 +48,86 @@ impl Channels {
         screen: &PhaseScreen,
         tolerance: Tolerance,
     ) -> Result<(Self, Approximation), AutocorrelationError> {
-        let [s_x, s_y] = screen.deviations();
-        let lengths = screen.lengths();
+        let phases = Phases {
+            deviations: screen.deviations(),
+            correlation: screen.correlation(),
+            lengths: screen.lengths(),
+            retardance: 0.0,
+        };
+        phases.channels(tolerance)
+    }
+
+    /// The channels of a birefringent plate with a rough surface, in the frame of its axes `x` and `y`.
+    ///
+    /// Those of a phase screen whose phases go together, or against each other where one index is below that outside,
+    /// and `e_xy` turned by the mean retardance δ of the y axis:
+    ///
+    /// ```text
+    /// M22 = M33 = e_xy cos δ      M23 = −M32 = e_xy sin δ
+    /// ```
+    ///
+    /// Accuracy as [`Channels::of_phase_screen`].
+    ///
+    /// Source: Ma et al. 2015, J. Opt. Soc. Am. A 32, 2346.
+    ///
+    /// # Errors
+    ///
+    /// As [`Channels::of_phase_screen`].
+    ///
+    /// ```
+    /// use mueller16::{Channels, Tolerance};
+    /// // a quarter of a wave: S2 becomes −S3, of which e^(−s²/2) is left, s the deviation of the retardance
+    /// let light = stokes::Wavelength::from_metres(500e-9)?;
+    /// let plate = csdm::RoughRetarder::new(light, [1.5, 1.51], 1.0, 12.5e-6, 2e-6, 20e-6)?;
+    /// let (matter, _) = Channels::of_rough_retarder(&plate, Tolerance::relative(1e-6)?)?;
+    /// let s: f64 = 0.251_327_412;
+    /// assert!((matter.mueller().element(3, 2) + (-0.5 * s * s).exp()).abs() < 1e-6);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn of_rough_retarder(
+        plate: &RoughRetarder,
+        tolerance: Tolerance,
+    ) -> Result<(Self, Approximation), AutocorrelationError> {
+        let [s_x, s_y] = plate.deviations();
+        let length = plate.correlation_length();
+        let phases = Phases {
+            deviations: [s_x.abs(), s_y.abs()],
+            correlation: s_x.signum() * s_y.signum(),
+            lengths: CorrelationLengths {
+                xx: length,
+                yy: length,
+                xy: length,
+            },
+            retardance: plate.mean_retardance(),
+        };
+        phases.channels(tolerance)
+    }
+}
+
+/// Jointly Gaussian phases on two axes, and the mean by which y is behind.
+struct Phases {
+    deviations: [f64; 2],
+    correlation: f64,
+    lengths: CorrelationLengths,
+    retardance: f64,
+}
+
+impl Phases {
+    fn channels(
+        &self,
+        tolerance: Tolerance,
+    ) -> Result<(Channels, Approximation), AutocorrelationError> {
+        let [s_x, s_y] = self.deviations;
+        let lengths = self.lengths;
         let one_axis = |s: f64, length: f64| {
             Autocorrelation::of_gaussian_phase(s * s, &root(length), tolerance)
         };
         let parts = [
             (intensities(1.0), one_axis(s_x, lengths.xx)?),
             (intensities(-1.0), one_axis(s_y, lengths.yy)?),
-            (crossed(), cross(screen, tolerance)?),
+            (crossed(self.retardance), self.cross(tolerance)?),
         ];
-        let mut channels = Self::default();
+        let mut channels = Channels::default();
         let mut worst: Option<Approximation> = None;
         for (mueller, (autocorrelation, chosen)) in parts {
             channels = channels.with(&mueller, autocorrelation, 0);
@@ -78,38 +147,38 @@ impl Channels {
         };
         Ok((channels, approximation))
     }
-}
 
-/// `e_xy`.
-fn cross(
-    screen: &PhaseScreen,
-    tolerance: Tolerance,
-) -> Result<(Autocorrelation, Approximation), AutocorrelationError> {
-    let [s_x, s_y] = screen.deviations();
-    let root = root(screen.lengths().xy);
-    let (together, difference) = (s_x * s_y, s_x - s_y);
-    let a = together * screen.correlation();
-    if a >= 0.0 {
-        // no difference of large squares
-        let scale =
-            (-0.5 * difference * difference - together * (1.0 - screen.correlation())).exp();
-        let (r, chosen) = Autocorrelation::of_gaussian_phase(a, &root, tolerance)?;
-        return Ok((r.scaled(scale), chosen));
+    /// `e_xy` without the mean retardance.
+    fn cross(
+        &self,
+        tolerance: Tolerance,
+    ) -> Result<(Autocorrelation, Approximation), AutocorrelationError> {
+        let [s_x, s_y] = self.deviations;
+        let root = root(self.lengths.xy);
+        let (together, difference) = (s_x * s_y, s_x - s_y);
+        let a = together * self.correlation;
+        if a >= 0.0 {
+            // no difference of large squares
+            let scale =
+                (-0.5 * difference * difference - together * (1.0 - self.correlation)).exp();
+            let (r, chosen) = Autocorrelation::of_gaussian_phase(a, &root, tolerance)?;
+            return Ok((r.scaled(scale), chosen));
+        }
+        let apart = (-0.5 * (s_x * s_x + s_y * s_y)).exp();
+        let (terms, error) = if -a > OPPOSED {
+            (vec![], f64::EPSILON)
+        } else {
+            alternating(-a, 0.5 * tolerance.get())
+        };
+        let constant = GaussianTerm::centred(1.0, 0.0);
+        let r = Autocorrelation::of_family(&root, [constant].into_iter().chain(terms))?;
+        let chosen = Approximation {
+            method: Method::PoissonSum,
+            terms: r.term_count(),
+            error,
+        };
+        Ok((r.scaled(apart), chosen))
     }
-    let apart = (-0.5 * (s_x * s_x + s_y * s_y)).exp();
-    let (terms, error) = if -a > OPPOSED {
-        (vec![], f64::EPSILON)
-    } else {
-        alternating(-a, 0.5 * tolerance.get())
-    };
-    let constant = GaussianTerm::centred(1.0, 0.0);
-    let r = Autocorrelation::of_family(&root, [constant].into_iter().chain(terms))?;
-    let chosen = Approximation {
-        method: Method::PoissonSum,
-        terms: r.term_count(),
-        error,
-    };
-    Ok((r.scaled(apart), chosen))
 }
 
 /// `e^(−aη) − 1 = Σ (−a)^m/m! η^m`, and a bound on what is left out, of its lobe's largest value.
@@ -145,8 +214,8 @@ fn intensities(sign: f64) -> Mueller {
     Mueller::from_rows([[same, other, 0.0, 0.0], [other, same, 0.0, 0.0], dark, dark])
 }
 
-/// What passes of the two axes together, for a real `e_xy`.
-fn crossed() -> Mueller {
-    let dark = [0.0; 4];
-    Mueller::from_rows([dark, dark, [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
+/// What passes of the two axes together, y behind by the retardance: `e_xy = e^(iδ)` times a real number.
+fn crossed(retardance: f64) -> Mueller {
+    let (dark, (sin, cos)) = ([0.0; 4], retardance.sin_cos());
+    Mueller::from_rows([dark, dark, [0.0, 0.0, cos, sin], [0.0, 0.0, -sin, cos]])
 }

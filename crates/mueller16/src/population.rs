@@ -1,8 +1,8 @@
 //! Locally stationary matter as a list of populations: a response, an autocorrelation and an envelope each.
 
-use csdm::{CloudeSpectrum, JonesMatrix, NotRealizable};
+use csdm::{CloudeSpectrum, Element, JonesMatrix, NotRealizable};
 use nalgebra::{Matrix2, Vector2};
-use stokes::{Envelope, EnvelopeError, EnvelopeModes, ModeWidth, Mueller};
+use stokes::{Envelope, EnvelopeError, EnvelopeModes, ModeWidth, Mueller, plane};
 use thiserror::Error;
 
 use crate::autocorrelation::{Autocorrelation, GaussianFamily};
@@ -25,6 +25,16 @@ pub enum MatterError {
     NegativeWeight {
         /// The weight.
         weight: f64,
+    },
+    /// A number of a population is none.
+    #[error("matter: {what} of population {population} is {value}, expected a finite number")]
+    NotFinite {
+        /// Place in the list, from 0.
+        population: usize,
+        /// Which number.
+        what: &'static str,
+        /// What was found.
+        value: f64,
     },
     /// There is none.
     #[error("matter: no population, expected at least one")]
@@ -85,6 +95,36 @@ impl Population {
         Ok(Self::of_sixteen(mueller, autocorrelation, envelope))
     }
 
+    /// Scatterers that are what `element` is at one point: plates, films, and mixtures of them.
+    ///
+    /// The element must be uniform, the same at every place and for every pair of points. Random phases are
+    /// [`Channels::of_phase_screen`] and [`Channels::of_rough_retarder`], patterns [`crate::PolarizationPattern`].
+    ///
+    /// ```
+    /// use csdm::{JonesMatrix, Mixture};
+    /// use mueller16::{Autocorrelation, ChannelSet, Matter, Population};
+    /// use stokes::Envelope;
+    /// // polarizers along x and y, half of each: S1 passes as S0 does, S2 and S3 do not
+    /// let x = JonesMatrix::linear_polarizer();
+    /// let mixture = Mixture::new(vec![(0.5, x), (0.5, x.rotated(std::f64::consts::FRAC_PI_2))])?;
+    /// let part = Population::of_element(&mixture, Autocorrelation::constant(1.0), Envelope::disk(1e-3)?)?;
+    /// let mueller = Matter::new(vec![part])?.channels().mueller();
+    /// assert!((mueller.element(1, 1) - 0.5).abs() < 1e-15 && mueller.element(2, 2).abs() < 1e-15);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`Population::of_mueller`].
+    pub fn of_element(
+        element: &(impl Element + ?Sized),
+        autocorrelation: Autocorrelation,
+        envelope: Envelope,
+    ) -> Result<Self, MatterError> {
+        let mueller = element.mueller_at(&Vector2::zeros());
+        Self::of_mueller(&mueller, autocorrelation, envelope)
+    }
+
     /// Scatterers of sixteen given numbers, which need not be realizable by themselves: one channel of many, or numbers
     /// from elsewhere. [`Matter::check_realizable`] asks about the whole.
     #[must_use]
@@ -98,6 +138,21 @@ impl Population {
             autocorrelation,
             envelope,
         }
+    }
+
+    /// The first number that is none, and what it is.
+    fn not_finite(&self) -> Option<(&'static str, f64)> {
+        let matrix = self.mueller.to_matrix();
+        let elements = matrix.iter().map(|m| ("an element of the matrix", *m));
+        let families = self.autocorrelation.families().iter();
+        let terms = families.flat_map(GaussianFamily::terms).flat_map(|term| {
+            [
+                ("a weight of the autocorrelation", term.weight),
+                ("a shift of the autocorrelation", term.shift.x),
+                ("a shift of the autocorrelation", term.shift.y),
+            ]
+        });
+        elements.chain(terms).find(|(_, value)| !value.is_finite())
     }
 }
 
@@ -114,11 +169,18 @@ impl Matter {
     ///
     /// # Errors
     ///
-    /// When there is no population.
+    /// When there is no population, or a number of one is not finite.
     pub fn new(populations: Vec<Population>) -> Result<Self, MatterError> {
         let mut channels = Channels::default();
         let mut envelopes: Vec<Envelope> = vec![];
-        for population in populations {
+        for (place, population) in populations.into_iter().enumerate() {
+            if let Some((what, value)) = population.not_finite() {
+                return Err(MatterError::NotFinite {
+                    population: place,
+                    what,
+                    value,
+                });
+            }
             let Population {
                 mueller,
                 autocorrelation,
@@ -210,10 +272,38 @@ impl Matter {
         self.envelopes.iter().enumerate().map(of_envelope).collect()
     }
 
+    /// Tangential wave vectors, rad/m, where lobes of different width or place differ: the centre of every Gaussian, and
+    /// 1, 2 and 4 standard deviations from it along both axes of its shape. For [`Matter::check_realizable`].
+    ///
+    /// Thirteen for each Gaussian of different shape or centre.
+    #[must_use]
+    pub fn lobe_places(&self) -> Vec<Vector2<f64>> {
+        let mut gaussians: Vec<(Vector2<f64>, Matrix2<f64>)> = vec![];
+        let families = self.channels.groups().iter();
+        for family in families.flat_map(|group| group.autocorrelation.families()) {
+            // the lobe is e^(−|D(φ − shift)|²/2m)
+            let axes = plane::inverse(family.root());
+            for term in family.terms() {
+                let gaussian = (term.shift, axes * term.rate.sqrt());
+                if !gaussians.contains(&gaussian) {
+                    gaussians.push(gaussian);
+                }
+            }
+        }
+        let around = |(centre, axes): (Vector2<f64>, Matrix2<f64>)| {
+            let steps = [-4.0, -2.0, -1.0, 1.0, 2.0, 4.0];
+            let off = steps
+                .into_iter()
+                .flat_map(move |step| [0, 1].map(|axis| centre + axes.column(axis) * step));
+            std::iter::once(centre).chain(off)
+        };
+        gaussians.into_iter().flat_map(around).collect()
+    }
+
     /// Asks whether the matter could be made of Jones matrices, at these tangential wave vectors: whether the Mueller
     /// matrix `F{R^(j→l)}(φ)` of every one has no negative eigenvalue of its coherency matrix (Bochner).
     ///
-    /// Delta orders are asked about one by one.
+    /// Delta orders are asked about one by one. [`Matter::lobe_places`] are places where lobes that differ show it.
     ///
     /// # Errors
     ///

@@ -92,6 +92,11 @@ impl Relief for Flat {
 ///
 /// A grating keeps its sharing of the light among orders under roughness. Of two gratings the orders are those of R, whose
 /// weights need not add up to 1: [`crate::Grating::crossed`] shares them.
+///
+/// Half of the tolerance goes to each. The lobe of the product is that of either relief averaged over the positive one of
+/// the other, as under an incoherent source. So a bound that holds for sources of any shape holds for the product
+/// beside its own largest value, and the two add up: `e₁ + e₂ + e₁e₂`. Where a bound is for light of at most ten times
+/// the lobe's width ([`crate::KCorrelatedHeights`], [`crate::ExponentialHeights`]), so it is for the other relief's lobe.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Superposed<A, B>(pub A, pub B);
 
@@ -101,8 +106,9 @@ impl<A: Relief, B: Relief> Relief for Superposed<A, B> {
         phi_z: f64,
         tolerance: Tolerance,
     ) -> Result<(Autocorrelation, Approximation), AutocorrelationError> {
-        let (first, chosen) = self.0.autocorrelation(phi_z, tolerance)?;
-        let (second, also) = self.1.autocorrelation(phi_z, tolerance)?;
+        let half = tolerance.half();
+        let (first, chosen) = self.0.autocorrelation(phi_z, half)?;
+        let (second, also) = self.1.autocorrelation(phi_z, half)?;
         let product = first.times(&second)?;
         let approximation = Approximation {
             method: if chosen.error >= also.error {
@@ -111,7 +117,7 @@ impl<A: Relief, B: Relief> Relief for Superposed<A, B> {
                 also.method
             },
             terms: product.term_count(),
-            error: chosen.error + also.error,
+            error: chosen.error + also.error + chosen.error * also.error,
         };
         Ok((product, approximation))
     }

@@ -85,7 +85,8 @@ impl Energy {
     ///
     /// # Errors
     ///
-    /// When a direction is at grazing incidence; never for [`Energy::Printed`].
+    /// When a direction is at grazing incidence; never for [`Energy::Printed`]. As [`Geometry::obliquity`] for
+    /// [`Energy::HeightSurface`].
     pub fn factor(self, geometry: &Geometry) -> Result<f64, GeometryError> {
         match self {
             Self::Printed => Ok(1.0),
@@ -104,6 +105,15 @@ impl Energy {
 /// The real numbers `T_lj` of one encounter: outgoing Stokes parameters per incident ones, one matrix for each envelope.
 ///
 /// `T_lj = (n_o²/λ₀²) F{R^(j→l) γ}(φ_t)`, in 1/sr: the bidirectional scattering function without its obliquity.
+///
+/// | light | call |
+/// |---|---|
+/// | one coherence over the surface | [`Channels::transfer`] |
+/// | the same, fewer Gaussians or f32 for a tolerance | [`Channels::transfer_in`] |
+/// | a source in parts ([`crate::Footprint::resolved_for`]) that share one Stokes vector | [`Channels::transfer_of`] |
+/// | parts of their own Stokes vectors, from matter of several envelopes | [`Channels::transfer_of_state`] |
+/// | a source and a relief to a tolerance, all chosen here | [`crate::Footprint::transfer`] |
+/// | any series of modes, four of them if need be | [`Channels::amplitudes`], [`Matter::scatter`] |
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Transfer(SmallVec<[Matrix4<f64>; 1]>);
 

@@ -154,7 +154,7 @@ impl GeneralizedStokes {
         &self.frame
     }
 
-    /// The wavelength.
+    /// The wavelength in vacuum.
     #[must_use]
     pub fn wavelength(&self) -> Wavelength {
         self.wavelength
@@ -167,6 +167,9 @@ impl GeneralizedStokes {
     }
 
     /// The far-field argument `w = (k/r) ξ` of a transverse separation `ξ` in metres; 1/m.
+    ///
+    /// `k` is that of the vacuum wavelength. In a medium of index n, where `w = (n k/r) ξ`, ask for the separation `nξ`, here
+    /// and in [`GeneralizedStokes::at_separation`].
     #[must_use]
     pub fn far_field_argument(&self, separation: &Vector2<f64>) -> Vector2<f64> {
         separation * (self.wavelength.wavenumber().radians_per_metre() / self.distance)

@@ -81,6 +81,19 @@ impl RoughRetarder {
         self.mean_retardance
     }
 
+    /// Standard deviations of the phases along `x` and `y`, `k₀ (n_i − n₀) σ_h`, radians; negative where the index is below
+    /// that outside.
+    #[must_use]
+    pub fn deviations(&self) -> [f64; 2] {
+        self.deviations
+    }
+
+    /// Length at which the correlation of the surface falls to `1/e`, metres.
+    #[must_use]
+    pub fn correlation_length(&self) -> f64 {
+        self.length
+    }
+
     /// Standard deviation of the retardance, `k₀ |n_x − n_y| σ_h`, radians.
     #[must_use]
     pub fn retardance_deviation(&self) -> f64 {

@@ -14,6 +14,7 @@ use std::f64::consts::PI;
 
 use nalgebra::Matrix2;
 
+use super::error::{check_deviation, roughness};
 use super::k_correlation::{REACH, step};
 use super::phase::{self, Diffuse, Height};
 use super::rates::{Point, gathered};
@@ -49,9 +50,9 @@ impl ExponentialHeights {
     ///
     /// # Errors
     ///
-    /// When σ is not between 0 and 1e30 m, or the root is singular or outside 1e-30 to 1e30 m.
+    /// When σ is not between 0 and 1e24 m, or the root is singular or outside 1e-30 to 1e30 m.
     pub fn new(deviation: f64, root: &Matrix2<f64>) -> Result<Self, AutocorrelationError> {
-        phase::check_deviation(deviation)?;
+        check_deviation(deviation)?;
         GaussianFamily::new(root, [])?;
         Ok(Self {
             deviation,
@@ -69,7 +70,7 @@ impl Relief for ExponentialHeights {
         phi_z: f64,
         tolerance: Tolerance,
     ) -> Result<(Autocorrelation, Approximation), AutocorrelationError> {
-        let g = phase::roughness(phi_z, self.deviation)?;
+        let g = roughness(phi_z, self.deviation, phase::ROUGHEST)?;
         if g == 0.0 {
             return phase::with_mirror(&self.root, g, (vec![], 0.0));
         }

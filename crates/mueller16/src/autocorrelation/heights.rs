@@ -3,12 +3,13 @@
 use nalgebra::Matrix2;
 use stokes::plane;
 
+use super::error::{check, check_deviation, roughness};
 use super::poisson;
 use super::{Autocorrelation, AutocorrelationError, GaussianFamily};
 use crate::accuracy::{Approximation, Tolerance};
 use crate::relief::Relief;
 
-/// Largest `g` and largest height, in metres, that are taken.
+/// Largest `g` that is taken.
 const LARGEST: f64 = 1e24;
 
 /// Heights, zero-mean and jointly Gaussian, statistically the same everywhere.
@@ -66,9 +67,7 @@ impl GaussianHeights {
     ///
     /// When the deviation is not between 0 and 1e24 m, or the root as [`GaussianFamily::new`] says.
     pub fn new(deviation: f64, root: &Matrix2<f64>) -> Result<Self, AutocorrelationError> {
-        if !(0.0..=LARGEST).contains(&deviation) {
-            return Err(AutocorrelationError::Height { value: deviation });
-        }
+        check_deviation(deviation)?;
         let correlation = GaussianFamily::new(root, [])?;
         Ok(Self {
             deviation,
@@ -108,9 +107,8 @@ impl Autocorrelation {
         root: &Matrix2<f64>,
         tolerance: Tolerance,
     ) -> Result<(Self, Approximation), AutocorrelationError> {
-        if !(0.0..=LARGEST).contains(&variance) {
-            return Err(AutocorrelationError::Phase { variance });
-        }
+        let expected = "a number between 0 and 1e24 rad²";
+        check("variance of the phase", variance, 0.0..=LARGEST, expected)?;
         let shape = GaussianFamily::new(root, [])?;
         let (terms, chosen) = poisson::exponential(variance, tolerance);
         Ok((shape.with_terms(terms).into(), chosen))
@@ -126,14 +124,7 @@ impl Relief for GaussianHeights {
         phi_z: f64,
         tolerance: Tolerance,
     ) -> Result<(Autocorrelation, Approximation), AutocorrelationError> {
-        let g = self.phase_variance(phi_z);
-        if !(0.0..=LARGEST).contains(&g) {
-            return Err(AutocorrelationError::Roughness {
-                g,
-                phi_z,
-                deviation: self.deviation,
-            });
-        }
+        let g = roughness(phi_z, self.deviation, LARGEST)?;
         let (terms, chosen) = poisson::exponential(g, tolerance);
         Ok((self.correlation.with_terms(terms).into(), chosen))
     }

@@ -10,6 +10,7 @@
 use nalgebra::Matrix2;
 use stokes::plane;
 
+use super::error::{check_deviation, roughness};
 use super::k_correlation::KCorrelation;
 use super::phase::{self, Diffuse, Height};
 use super::rates::{Budget, Point, compound_poisson};
@@ -62,9 +63,9 @@ impl KCorrelatedHeights {
     ///
     /// # Errors
     ///
-    /// When σ is not between 0 and 1e30 m.
+    /// When σ is not between 0 and 1e24 m.
     pub fn new(deviation: f64, correlation: KCorrelation) -> Result<Self, AutocorrelationError> {
-        phase::check_deviation(deviation)?;
+        check_deviation(deviation)?;
         Ok(Self {
             deviation,
             correlation,
@@ -96,7 +97,7 @@ impl Relief for KCorrelatedHeights {
         phi_z: f64,
         tolerance: Tolerance,
     ) -> Result<(Autocorrelation, Approximation), AutocorrelationError> {
-        let g = phase::roughness(phi_z, self.deviation)?;
+        let g = roughness(phi_z, self.deviation, phase::ROUGHEST)?;
         let root = self.correlation.root();
         if g == 0.0 {
             return phase::with_mirror(root, g, (vec![], 0.0));

@@ -25,6 +25,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use nalgebra::Matrix2;
 
+use super::error::check;
 use super::{Autocorrelation, AutocorrelationError, GaussianFamily, GaussianTerm};
 use crate::accuracy::{Approximation, Method, Tolerance};
 
@@ -338,21 +339,4 @@ pub(super) fn step(nu: f64, z: f64, error: f64) -> f64 {
             TAU * a / (log + (-log).exp().ln_1p())
         })
         .fold(0.0, f64::max)
-}
-
-pub(super) fn check(
-    what: &'static str,
-    value: f64,
-    range: std::ops::RangeInclusive<f64>,
-    expected: &'static str,
-) -> Result<(), AutocorrelationError> {
-    if range.contains(&value) {
-        Ok(())
-    } else {
-        Err(AutocorrelationError::Number {
-            what,
-            value,
-            expected,
-        })
-    }
 }

@@ -8,19 +8,20 @@
 //! nowhere negative. Terms of one family differ in width and place only, so that what they share is computed once.
 
 mod charlier;
-mod heights;
-mod poisson;
-
-pub use heights::GaussianHeights;
+mod error;
 mod exponential_heights;
+mod heights;
 mod k_correlated_heights;
 mod k_correlation;
 mod least_squares;
 mod phase;
+mod poisson;
 mod rates;
 mod tabulated;
 
+pub use error::AutocorrelationError;
 pub use exponential_heights::ExponentialHeights;
+pub use heights::GaussianHeights;
 pub use k_correlated_heights::KCorrelatedHeights;
 pub use k_correlation::KCorrelation;
 pub use tabulated::{TableError, TabulatedSpectrum};
@@ -29,81 +30,9 @@ use nalgebra::{Matrix2, Vector2};
 use num_complex::Complex64;
 use smallvec::{SmallVec, smallvec};
 use stokes::plane;
-use thiserror::Error;
 
 /// Singular values of a correlation root lie in this range, in metres.
 const ROOT_RANGE: [f64; 2] = [1e-30, 1e30];
-
-/// Why numbers are no autocorrelation.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-pub enum AutocorrelationError {
-    /// The covariance has no root.
-    #[error(transparent)]
-    Shape(#[from] stokes::ShapeError),
-    /// A width is outside what the arithmetic can square.
-    #[error("autocorrelation: a correlation length is {value} m, expected 1e-30 to 1e30")]
-    Length {
-        /// The singular value of the root.
-        value: f64,
-    },
-    /// A weight, rate or shift is out of its domain.
-    #[error("autocorrelation: the {what} of term {index} is {value}, expected {expected}")]
-    Term {
-        /// Place in the list, from 0.
-        index: usize,
-        /// `"weight"`, `"rate"` or `"shift"`.
-        what: &'static str,
-        /// What was found.
-        value: f64,
-        /// What should be there.
-        expected: &'static str,
-    },
-    /// A standard deviation of heights is out of its domain.
-    #[error("heights: the standard deviation is {value} m, expected 0 to 1e24 m")]
-    Height {
-        /// What was found.
-        value: f64,
-    },
-    /// The variance of a random phase is out of its domain.
-    #[error("autocorrelation: the variance of the phase is {variance} rad², expected 0 to 1e24")]
-    Phase {
-        /// What was found.
-        variance: f64,
-    },
-    /// Heights are too many wavelengths high, or not a number of them.
-    #[error(
-        "heights: g = (φ_z σ_h)² is {g} at φ_z = {phi_z} rad/m and σ_h = {deviation} m, expected 0 to 1e24"
-    )]
-    Roughness {
-        /// Variance of the phase.
-        g: f64,
-        /// Vertical wave vector.
-        phi_z: f64,
-        /// Standard deviation of the heights, m.
-        deviation: f64,
-    },
-    /// A grating is too deep for its orders to be counted.
-    #[error(
-        "grating: the phase depth is {} rad at φ_z = {phi_z} rad/m and a depth of {depth} m, expected 0 to 1e5 rad",
-        .phi_z.abs() * .depth
-    )]
-    Depth {
-        /// Vertical wave vector.
-        phi_z: f64,
-        /// From the lowest to the highest point, m.
-        depth: f64,
-    },
-    /// A number that describes a spectrum or a relief is out of its domain.
-    #[error("autocorrelation: the {what} is {value}, expected {expected}")]
-    Number {
-        /// Its name.
-        what: &'static str,
-        /// What was found.
-        value: f64,
-        /// What should be there.
-        expected: &'static str,
-    },
-}
 
 /// One Gaussian of a family: `weight · e^(−rate xᵀ (DᵀD)⁻¹ x/2) e^(i shift·x)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -234,7 +163,7 @@ pub struct Autocorrelation {
 impl Autocorrelation {
     /// The same everywhere: matter without structure, a mirror.
     ///
-    /// A value that is not finite becomes an error where it is used.
+    /// Not checked: [`crate::Matter::new`] refuses a value that is not finite, and so does light that would carry it.
     #[must_use]
     pub fn constant(value: f64) -> Self {
         Self {
@@ -280,7 +209,7 @@ impl Autocorrelation {
         self.families.iter().map(|family| family.terms.len()).sum()
     }
 
-    /// Every weight times `factor`.
+    /// Every weight times `factor`, which is checked where [`Autocorrelation::constant`] is.
     #[must_use]
     pub fn scaled(mut self, factor: f64) -> Self {
         for term in self.terms_mut() {
@@ -289,7 +218,7 @@ impl Autocorrelation {
         self
     }
 
-    /// `R(x) e^(i shift·x)`: the lobe moved by `shift` rad/m.
+    /// `R(x) e^(i shift·x)`: the lobe moved by `shift` rad/m, which [`crate::Matter::new`] checks.
     #[must_use]
     pub fn shifted(mut self, shift: &Vector2<f64>) -> Self {
         for term in self.terms_mut() {

@@ -13,13 +13,12 @@
 
 use nalgebra::Matrix2;
 
-use super::k_correlation::check;
 use super::rates::Point;
 use super::{Autocorrelation, AutocorrelationError, GaussianTerm};
 use crate::accuracy::{Approximation, Method};
 
 /// Largest roughness `(φ_z σ)²`.
-const ROUGHEST: f64 = 1e8;
+pub(super) const ROUGHEST: f64 = 1e8;
 
 /// Step of `ln u`.
 const STEP: f64 = 0.125;
@@ -101,29 +100,6 @@ impl Diffuse {
         }
         worst
     }
-}
-
-/// Whether σ is one.
-pub(super) fn check_deviation(deviation: f64) -> Result<(), AutocorrelationError> {
-    let expected = "a number between 0 and 1e30 m";
-    check(
-        "standard deviation of the heights",
-        deviation,
-        0.0..=1e30,
-        expected,
-    )
-}
-
-/// `g = (φ_z σ)²`
-pub(super) fn roughness(phi_z: f64, deviation: f64) -> Result<f64, AutocorrelationError> {
-    let g = (phi_z * deviation).powi(2);
-    check(
-        "roughness (φ_z σ)²",
-        g,
-        0.0..=ROUGHEST,
-        "a number between 0 and 1e8",
-    )?;
-    Ok(g)
 }
 
 /// The mirror `e^(−g)` and the measure of the rest.

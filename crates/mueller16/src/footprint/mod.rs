@@ -276,7 +276,7 @@ impl Footprint {
         geometry: &Geometry,
         tolerance: Tolerance,
     ) -> Result<TransferReport, FootprintError> {
-        let half = Tolerance::relative(0.5 * tolerance.get()).unwrap_or(Tolerance::ROUNDING);
+        let half = tolerance.half();
         let (r, autocorrelation) = relief.autocorrelation(geometry.normal_component(), half)?;
         let delta_weight = r.delta_weight();
         let channels = Channels::new(mueller, r.without_deltas());

@@ -313,7 +313,7 @@ fn what_is_no_surface_is_refused_with_its_numbers() {
         |r: Result<_, mueller16::AutocorrelationError>| r.map(|_: ()| ()).unwrap_err().to_string();
     assert_eq!(
         text(GaussianHeights::isotropic(-1e-9, 1e-6).map(drop)),
-        "heights: the standard deviation is -0.000000001 m, expected 0 to 1e24 m"
+        "autocorrelation: the standard deviation of the heights is -1e-9, expected a number between 0 and 1e24 m"
     );
     assert!(GaussianHeights::isotropic(f64::NAN, 1e-6).is_err());
     assert!(GaussianHeights::isotropic(1e-9, 0.0).is_err());
@@ -322,7 +322,8 @@ fn what_is_no_surface_is_refused_with_its_numbers() {
     let surface = GaussianHeights::isotropic(1.0, 1.0).unwrap();
     let error = text(surface.autocorrelation(1e13, Tolerance::ROUNDING).map(drop));
     assert!(
-        error.contains("100000000000000000000000000") && error.contains("expected 0 to 1e24"),
+        error.contains("is 1e26 at φ_z = 10000000000000.0 rad/m")
+            && error.contains("expected 0 to 1e24"),
         "{error}"
     );
     assert!(

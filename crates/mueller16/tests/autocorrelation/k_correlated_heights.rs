@@ -248,7 +248,7 @@ fn what_cannot_be_held_is_said() {
         .unwrap_err()
         .to_string();
     assert!(
-        text.contains("roughness (φ_z σ)² is 1") && text.contains("1e8"),
+        text.contains("(φ_z σ_h)² is 1") && text.contains("expected 0 to 100000000.0"),
         "{text}"
     );
     assert!(exponential().autocorrelation(f64::NAN, tolerance).is_err());

@@ -5,4 +5,5 @@ mod gaussian_heights;
 mod k_correlated_heights;
 mod k_correlation;
 mod phase_screen;
+mod superposed;
 mod tables;

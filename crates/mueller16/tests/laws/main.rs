@@ -10,6 +10,7 @@ mod domain;
 mod errata;
 mod footprint;
 mod limits;
+mod media;
 mod realizability;
 mod skipping;
 mod theorem;

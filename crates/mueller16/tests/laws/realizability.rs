@@ -227,3 +227,48 @@ fn matter_that_no_ensemble_makes_is_refused() {
             .is_err()
     );
 }
+
+#[test]
+fn lobes_that_differ_in_their_tails_are_told_apart_there() {
+    let envelope = Envelope::disk(1e-4).unwrap();
+    let population = |l: usize, weight: f64, size: f64| {
+        let mut m = Matrix4::zeros();
+        m[(l, l)] = weight;
+        let r = Autocorrelation::gaussian(&Matrix2::from_diagonal_element(size)).unwrap();
+        Population::of_sixteen(&m.into(), r, envelope.clone())
+    };
+    // S3 has 15 % of the lobe of S0 at the centre, and more than all of it beyond 3 standard deviations
+    let wide = vec![population(0, 1.0, 1e-10), population(3, 0.3, 0.5e-10)];
+    let wide = Matter::new(wide).unwrap();
+    assert!(wide.check_realizable(&[Vector2::zeros()], 1e-9).is_ok());
+    assert!(wide.check_realizable(&wide.lobe_places(), 1e-9).is_err());
+    let same = vec![population(0, 1.0, 1e-10), population(3, 0.3, 1e-10)];
+    let same = Matter::new(same).unwrap();
+    assert_eq!(same.lobe_places().len(), 13);
+    assert!(same.check_realizable(&same.lobe_places(), 1e-9).is_ok());
+}
+
+#[test]
+fn matter_of_numbers_that_are_none_is_refused() {
+    let envelope = Envelope::disk(1e-4).unwrap();
+    let one = Mueller::identity();
+    for bad in [f64::NAN, f64::INFINITY] {
+        let dark = Mueller::from_rows([[bad; 4]; 4]);
+        let parts = [
+            (dark, Autocorrelation::constant(1.0), "element"),
+            (one, Autocorrelation::constant(bad), "weight"),
+            (one, blazed().scaled(bad), "weight"),
+            (one, blazed().shifted(&Vector2::new(0.0, bad)), "shift"),
+        ];
+        for (mueller, r, what) in parts {
+            let good = Population::of_sixteen(&one, blazed(), envelope.clone());
+            let part = Population::of_sixteen(&mueller, r, envelope.clone());
+            let text = Matter::new(vec![good, part]).unwrap_err().to_string();
+            assert!(
+                text.contains(what) && text.contains("population 1"),
+                "{text}"
+            );
+        }
+        assert!(Population::of_mueller(&dark, blazed(), envelope.clone()).is_err());
+    }
+}
