@@ -65,17 +65,21 @@ def lobe_cases(seed: int) -> list[tuple[Case, Array, float, float]]:
     plan += [("exponential", g, 1e-6) for g in (0.1, 1.0, 5.0, 30.0)]
     plan += [("k_correlation", g, 1e-5) for g in (0.1, 1.0, 5.0)]
     for kind, g, tolerance in plan:
-        relief = {"kind": kind, "sigma": 10.0 ** rng.uniform(-9, -6), "l": rng.uniform(1, 9) * 1e-6}
+        # over x and y in units of the lengths the lobe is round
+        lengths = rng.uniform(1, 9, 2) * 1e-6
+        relief = {"kind": kind, "sigma": 10.0 ** rng.uniform(-9, -6), "l": 1.0}
         if kind == "k_correlation":
             relief["exponent"] = rng.uniform(1.6, 3.0)
         phi_z = np.sqrt(g) / relief["sigma"]
-        peak = diffuse(relief, g, 0.0, 0.0, RULES[0])
-        width = 2 * np.sqrt(1 + g) / relief["l"]
+        area = lengths[0] * lengths[1]
+        peak = area * diffuse(relief, g, 0.0, 0.0, RULES[0])
+        width = 2 * np.sqrt(1 + g)
         for place in (0.0, 0.4, 1.0, 2.0):
             turned = rng.uniform(0, 2 * np.pi)
-            phi = place * width * np.array([np.cos(turned), np.sin(turned)])
-            values = [diffuse(relief, g, place * width, 0.0, rule) for rule in RULES]
-            r = {"kind": "relief", "relief": relief, "phi_z": phi_z, "tolerance": tolerance}
+            phi = place * width * np.array([np.cos(turned), np.sin(turned)]) / lengths
+            values = [area * diffuse(relief, g, place * width, 0.0, rule) for rule in RULES]
+            given = {**relief, "l": lengths}
+            r = {"kind": "relief", "relief": given, "phi_z": phi_z, "tolerance": tolerance}
             made.append((("lobe", {"R": r, "phi": phi}), np.array(values), peak, tolerance))
     return made
 
