@@ -67,9 +67,10 @@ impl<'a, const J: usize> Modes<'a, J> {
 
     /// `Σ s_ab g_ab` for each series; 0 for one that is absent.
     ///
-    /// Without `ACROSS`, which is for `M₁₂ = 0`, `g_ab = g_a0 g_0b/g_00`. Error at most a few `order·ε` of
-    /// `|s| · F{R}(0)`: the recurrence is bounded, `|g_ab| ≤ π^(−1/2) F{R}(0)`. No allocation. What is absent or
-    /// shorter, or lies in another lane, changes no bit of a sum.
+    /// Without `ACROSS`, which is for `M₁₂ = 0`, `g_ab = g_a0 g_0b/g_00`. In f64 the error, that of the lobe included,
+    /// is at most `32 (order + 1) ε` of `Σ|s_ab|` times `g_00` at the centre of the lobe (`tests/stability.rs`), in f32
+    /// 2e-5 of it up to order 64. No allocation. What is absent or shorter, or lies in another lane, changes no bit of
+    /// a sum.
     #[inline]
     pub(crate) fn contract<T: Real, const L: usize, const ACROSS: bool>(
         &self,
