@@ -90,7 +90,7 @@ fn a_wrong_case_is_named_and_the_rest_is_computed() {
     for (case, expected) in [
         (
             lobe(json!({"kind": "fractal"})),
-            "key 'R.kind': found 'fractal', expected 'constant', 'gaussian', 'gaussian_sum', 'grating' or 'rough'",
+            "key 'R.kind': found 'fractal', expected 'constant', 'gaussian', 'gaussian_sum', 'grating', 'orders', 'rough', 'exponential', 'k_correlation' or 'relief'",
         ),
         (
             lobe(json!({"kind": "gaussian", "S": [[1, 0], [0, -1]]})),
@@ -232,6 +232,103 @@ fn a_wrong_case_is_named_and_the_rest_is_computed() {
         let place = format!("brewster: standard input: case 'bad' ({op}): {expected}");
         assert!(said.starts_with(&place), "found {said}expected {place}");
         assert_eq!(said.lines().count(), 1, "{said}");
+    }
+}
+
+#[test]
+fn what_is_no_surface_grating_or_screen_is_named() {
+    let surface = |key: &str, value: Value| {
+        let mut inputs = json!({"boundary": {"kind": "dielectric", "n_front": 1, "n_back": 1.5}, "relief": {"kind": "none"},
+            "to_source": [0, 0, 1], "to_observer": [0, 0, 1], "lambda": 5e-7});
+        inputs[key] = value;
+        json!({"id": "case", "op": "surface", "inputs": inputs})
+    };
+    let grating = |key: &str, value: Value| {
+        let mut inputs = json!({"profile": {"kind": "sinusoidal", "depth": 1e-7}, "pitch": 2e-6, "to_source": [0, 0, 1],
+            "lambda": 5e-7});
+        inputs[key] = value;
+        json!({"id": "case", "op": "grating", "inputs": inputs})
+    };
+    let slits = |key: &str, value: Value| {
+        let mut inputs = json!({"openings": [{"centre": [0, 0], "width": 1e-5, "height": 1e-5}], "screen_area": 1e-6,
+            "to_source": [0, 0, -1], "to_observers": [[0, 0, 1]], "lambda": 5e-7});
+        inputs[key] = value;
+        json!({"id": "case", "op": "slits", "inputs": inputs})
+    };
+    for (case, expected) in [
+        (
+            surface("boundary", json!({"kind": "wood"})),
+            "key 'boundary.kind': found 'wood', expected 'dielectric', 'conductor', 'film', 'mirror' or 'window'",
+        ),
+        (
+            surface(
+                "relief",
+                json!({"kind": "gaussian", "sigma": -1e-8, "l": 1e-6}),
+            ),
+            "key 'relief': heights: the standard deviation is -0.00000001 m, expected 0 to 1e24 m",
+        ),
+        (
+            surface("relief", json!({"kind": "gaussian", "sigma": 1e-8})),
+            "key 'relief.l' is missing, expected a length in metres, or one along x and one along y (surface takes ",
+        ),
+        (
+            surface("n_incident", json!(1.3)),
+            "key 'inputs': surface: the geometry has the index 1.3 on the front side of the surface and the boundary 1,",
+        ),
+        (
+            surface("tolerance", json!(0.9)),
+            "key 'tolerance': tolerance: found 0.9, expected a relative error between 1e-15 and 0.5",
+        ),
+        (
+            surface("light", json!({"kind": "disk", "angles": 0.1})),
+            "key 'light.kind': found 'disk', expected 'plane_wave' or 'gaussian'",
+        ),
+        (surface("x_in", json!([0, 0, 1])), "key 'x_in': "),
+        (
+            grating("profile", json!({"kind": "lamellar", "depth": 1e-7})),
+            "key 'profile.ridge_fraction' is missing, expected a finite number (grating takes ",
+        ),
+        (
+            grating(
+                "profile",
+                json!([{"kind": "sinusoidal", "depth": 1e-7}, {"kind": "sinusoidal", "depth": 1e-7}]),
+            ),
+            "key 'pitch': found 2e-6, expected a list",
+        ),
+        (
+            grating("pitch", json!(-1)),
+            "key 'inputs': grating: the pitch is -1, expected a number from 0.000000000001 to 1000",
+        ),
+        (
+            grating("side", json!("back")),
+            "key 'side': found 'back', expected 'reflection' or 'transmission'",
+        ),
+        (
+            slits("screen_area", json!(1e-11)),
+            "key 'inputs': openings: the screen has an area of ",
+        ),
+        (
+            slits("pair", json!([0, 1])),
+            "key 'pair': found opening 1 of 1, expected one from 0",
+        ),
+        (
+            slits("to_observers", json!([[0, 0, 1], [0, 0, 2]])),
+            "key 'to_observers[1]': geometry: the vector to the observer has length 2, expected 1",
+        ),
+        (
+            slits("to_observers", json!([])),
+            "key 'inputs': found no direction under 'to_observers', expected at least one",
+        ),
+        (
+            slits("light", json!({"kind": "disk"})),
+            "key 'light.angles' is missing, expected an angle in radians or a matrix of angles (slits takes ",
+        ),
+    ] {
+        let (status, _, said) = parts(&eval_text(&file_of(&json!([case])), &[]));
+        let op = case["op"].as_str().unwrap();
+        let expected = format!("brewster: standard input: case 'case' ({op}): {expected}");
+        assert!(said.starts_with(&expected), "{said}\n{expected}");
+        assert_eq!((status, said.lines().count()), (Some(1), 1), "{said}");
     }
 }
 

@@ -37,14 +37,17 @@ def written(value: Any) -> Any:  # noqa: ANN401
 
 
 def read(value: Any) -> Any:  # noqa: ANN401
-    """Return what the schema's `value` means; lists stay lists, strings become numbers."""
+    """Return what the schema's `value` means; lists stay lists, strings that are numbers such."""
     if isinstance(value, dict):
         if set(value) == {"re", "im"}:
             return complex(float(value["re"]), float(value["im"]))
         return {key: read(entry) for key, entry in value.items()}
     if isinstance(value, list):
         return [read(entry) for entry in value]
-    return float(value)
+    try:
+        return float(value)
+    except ValueError:
+        return value
 
 
 @dataclass

@@ -35,6 +35,7 @@ CHECKS = {
     "fields": [str(PYTHON), "validation/fields.py", "--self-test"],
     "light": [str(PYTHON), "validation/light.py", "--self-test"],
     "scattering": [str(PYTHON), "validation/scattering.py", "--self-test"],
+    "surfaces": [str(PYTHON), "validation/surfaces.py", "--self-test"],
     "stability": [str(PYTHON), "validation/stability.py", "--self-test"],
     "references": [str(PYTHON), "validation/references.py"],
 }

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""Time against error of Hermite-Gauss series and of the interaction: measures, keeps CSV, draws PNG.
+"""Time against error of Hermite-Gauss series and of the interaction: measures and draws.
 
     python3 validation/run_time_against_error.py [-o DIR]
 
 Runs the examples `run_time_against_error` of crate `stokes` and `interaction_run_time` of crate
-`mueller16` (release build) and writes a .csv and a .png of each name to docs/, or to DIR.  `--csv FILE`
-draws an earlier CSV of the first instead of measuring, `--interaction-csv FILE` one of the second.  Needs what run.py needs and uses its virtual environment.  Measure on a quiet
-machine: the figures are medians of rounds in which the contestants take turns, so that ratios hold
-on a busy one too, but times do not.
+`mueller16` (release build) and writes a .csv and a .png of each name to docs/, or to DIR.
+`--csv FILE` draws an earlier CSV of the first instead of measuring, `--interaction-csv FILE` one of
+the second.  Needs what run.py needs and uses its virtual environment.  Measure on a quiet machine:
+the figures are medians of rounds in which the contestants take turns, so that ratios hold on a busy
+one too, but times do not.
 """
 
 import argparse

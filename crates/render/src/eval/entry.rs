@@ -119,6 +119,12 @@ impl<'a> Entry<'a> {
         Ok(values)
     }
 
+    /// Whether this value is written as a list.
+    #[must_use]
+    pub fn is_list(&self) -> bool {
+        self.value.is_array()
+    }
+
     /// Whether this value stands for nothing.
     #[must_use]
     pub fn is_null(&self) -> bool {

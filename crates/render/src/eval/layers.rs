@@ -79,7 +79,7 @@ pub(super) fn multilayer(inputs: &Entry<'_>) -> Result<Item, CaseError> {
 }
 
 /// A layer: an object of `n` and `thickness`, or these two in a list.
-fn film(layer: &Entry<'_>) -> Result<Layer, CaseError> {
+pub(super) fn film(layer: &Entry<'_>) -> Result<Layer, CaseError> {
     let [index, thickness] = match layer.list() {
         Ok(_) => layer.array()?,
         Err(_) => [

@@ -1,17 +1,23 @@
 //! Operations of the crate `mueller16` on autocorrelations: lobes, and what they make of one incident mode.
 
-use mueller16::{Autocorrelation, GaussianTerm};
+use mueller16::{
+    Autocorrelation, AutocorrelationError, GaussianFamily, GaussianTerm, KCorrelation, Relief,
+    Tolerance,
+};
 use nalgebra::{Matrix2, Vector2};
 use num_complex::Complex64;
 use stokes::{HermiteSeries, MAX_ORDER, ShapeMatrix, mode_count, mode_index};
 
 use super::entry::{Entry, MATRIX, VECTOR};
+use super::fields::number;
 use super::functions::{order, shape_with_root};
+use super::relief;
 use super::result::Item;
 use super::schema::CaseError;
 
 pub(super) const AUTOCORRELATION: &str = "an autocorrelation: an object with 'kind'";
-const KINDS: &str = "'constant', 'gaussian', 'gaussian_sum', 'grating' or 'rough'";
+const KINDS: &str = "'constant', 'gaussian', 'gaussian_sum', 'grating', 'orders', 'rough', 'exponential', 'k_correlation' \
+                     or 'relief'";
 const NUMBERS: &str = "a list of numbers";
 
 /// Roughness above which the Poisson sum is not worth its length.
@@ -94,7 +100,11 @@ pub(super) fn autocorrelation(spec: &Entry<'_>) -> Result<(Complex64, Autocorrel
         "gaussian" => gaussian(&spec.get("S", MATRIX)?)?,
         "gaussian_sum" => gaussian_sum(spec)?,
         "grating" => grating(spec)?,
+        "orders" => orders(spec)?,
         "rough" => rough(spec)?,
+        "exponential" => k_correlated(spec, KCorrelation::exponential(&relief::lengths(spec)?))?,
+        "k_correlation" => k_correlated(spec, Ok(relief::k_correlation(spec)?))?,
+        "relief" => of_relief(spec)?,
         other => return Err(kind.refuse(format!("found '{other}', expected {KINDS}"))),
     };
     let amplitude = match spec.find("amp")? {
@@ -128,24 +138,61 @@ fn gaussian_sum(spec: &Entry<'_>) -> Result<Autocorrelation, CaseError> {
 
 /// `e^(−xᵀS⁻¹x/2) Σ orders_q cos(q G·x)`
 fn grating(spec: &Entry<'_>) -> Result<Autocorrelation, CaseError> {
-    let covariance = spec.get("S", MATRIX)?;
-    let shape =
-        ShapeMatrix::from_covariance(&covariance.matrix()?).map_err(|e| covariance.refuse(e))?;
     let g = spec.get("G", VECTOR)?.vector()?;
     let mut terms = vec![];
     for (q, weight) in spec.get("orders", NUMBERS)?.list()?.iter().enumerate() {
         let weight = weight.number()?;
-        let term = |weight, shift: Vector2<f64>| GaussianTerm {
-            shift,
-            ..GaussianTerm::centred(weight, 1.0)
-        };
         if q == 0 {
-            terms.push(term(weight, Vector2::zeros()));
+            terms.push((weight, Vector2::zeros()));
         } else {
-            terms.extend([g, -g].map(|g| term(0.5 * weight, g * q as f64)));
+            terms.extend([g, -g].map(|g| (0.5 * weight, g * q as f64)));
         }
     }
+    through_aperture(spec, terms)
+}
+
+/// `e^(−xᵀS⁻¹x/2) Σ p e^(iq G·x)`
+fn orders(spec: &Entry<'_>) -> Result<Autocorrelation, CaseError> {
+    let g = spec.get("G", VECTOR)?.vector()?;
+    let list = spec.get("orders", "a list of [order, weight]")?.list()?;
+    let order = |entry: &Entry<'_>| {
+        let [q, p] = entry.array_of(Entry::number)?;
+        Ok((p, g * q))
+    };
+    through_aperture(spec, list.iter().map(order).collect::<Result<_, _>>()?)
+}
+
+/// Weights at tangential wave vectors, times `e^(−xᵀS⁻¹x/2)`.
+fn through_aperture(
+    spec: &Entry<'_>,
+    orders: Vec<(f64, Vector2<f64>)>,
+) -> Result<Autocorrelation, CaseError> {
+    let covariance = spec.get("S", MATRIX)?;
+    let shape =
+        ShapeMatrix::from_covariance(&covariance.matrix()?).map_err(|e| covariance.refuse(e))?;
+    let terms = orders.into_iter().map(|(weight, shift)| GaussianTerm {
+        shift,
+        ..GaussianTerm::centred(weight, 1.0)
+    });
     Autocorrelation::of_family(shape.root(), terms).map_err(|e| spec.refuse(e))
+}
+
+/// `R` itself K-correlated.
+fn k_correlated(
+    spec: &Entry<'_>,
+    correlation: Result<KCorrelation, AutocorrelationError>,
+) -> Result<Autocorrelation, CaseError> {
+    let tolerance = relief::tolerance(spec)?;
+    let made = correlation.and_then(|correlation| correlation.autocorrelation(tolerance));
+    made.map(|(r, _)| r).map_err(|e| spec.refuse(e))
+}
+
+/// What a relief does to light of the vertical wave vector `phi_z`.
+fn of_relief(spec: &Entry<'_>) -> Result<Autocorrelation, CaseError> {
+    let relief = spec.get("relief", relief::RELIEF)?;
+    let (made, phi_z) = (relief::relief(&relief, f64::MAX)?, number(spec, "phi_z")?);
+    let found = made.autocorrelation(phi_z, relief::tolerance(spec)?);
+    found.map(|(r, _)| r).map_err(|e| relief.refuse(e))
 }
 
 /// `e^(−g(1 − e^(−|x|²/l²)))`, the constant part with it.
@@ -161,64 +208,76 @@ fn rough(spec: &Entry<'_>) -> Result<Autocorrelation, CaseError> {
         )));
     }
     let root = Matrix2::from_diagonal_element(length.number()? * std::f64::consts::FRAC_1_SQRT_2);
-    let terms = poisson(number)
-        .into_iter()
-        .map(|(m, weight)| GaussianTerm::centred(weight, m as f64));
+    let (r, _) = Autocorrelation::of_gaussian_phase(number, &root, Tolerance::ROUNDING)
+        .map_err(|e| length.refuse(e))?;
+    let terms = r.families().iter().flat_map(GaussianFamily::terms);
+    let terms = terms.filter(|term| term.weight > LEAST_WEIGHT).copied();
     Autocorrelation::of_family(&root, terms).map_err(|e| length.refuse(e))
-}
-
-/// The probabilities `e^(−g) g^m/m!` above the least weight, with their m.
-///
-/// They are ratios to the most likely one, over the sum of all, which is 1: no logarithm of a factorial, whose rounding an
-/// exponential would multiply. Relative error of a weight: ε for each step from the most likely one, at most `12 √g + 30`
-/// of them.
-fn poisson(g: f64) -> Vec<(u32, f64)> {
-    // what is below this against the most likely weight is below the least weight by itself
-    let kept = |ratio: &f64| *ratio > LEAST_WEIGHT;
-    let mode = g.floor() as u32;
-    let below = (1..=mode).rev().scan(1.0, |ratio, m| {
-        *ratio *= f64::from(m) / g;
-        kept(ratio).then_some((m - 1, *ratio))
-    });
-    let above = (mode + 1..).scan(1.0, |ratio, m| {
-        *ratio *= g / f64::from(m);
-        kept(ratio).then_some((m, *ratio))
-    });
-    let mut ratios: Vec<_> = below.chain([(mode, 1.0)]).chain(above).collect();
-    let total: f64 = ratios.iter().map(|(_, ratio)| ratio).sum();
-    for (_, ratio) in &mut ratios {
-        *ratio /= total;
-    }
-    ratios.retain(|(_, weight)| *weight > LEAST_WEIGHT);
-    ratios
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::eval::schema::Case;
+    use serde_json::{Value, json};
+
+    fn result(inputs: Value) -> Value {
+        let case = Case {
+            id: String::new(),
+            op: String::new(),
+            inputs,
+        };
+        lobe(&Entry::of(&case)).unwrap().to_json().unwrap()
+    }
+
+    fn real(value: &Value) -> f64 {
+        value.as_str().unwrap().parse().unwrap()
+    }
 
     #[test]
-    fn weights_of_roughness_are_those_of_poisson() {
-        // e^(−g) g^m/m! with 40 digits
-        for (g, m, expected) in [
-            (0.0, 0, 1.0),
-            (0.5, 0, 0.606_530_659_712_633_4),
-            (4.0, 9, 0.013_231_191_691_050_3),
-            (70.0, 0, 3.975_449_735_908_647e-31),
-            (400.0, 400, 0.019_942_958_805_033_05),
-            (5000.0, 4800, 9.987_733_294_132_51e-5),
+    fn orders_keep_their_side() {
+        let at = |x: f64| {
+            let r = json!({"kind": "orders", "S": [[1e-10, 0], [0, 1e-10]], "G": [1e6, 0], "orders": [[1, 0.7], [-1, 0.2]]});
+            real(&result(json!({"R": r, "phi": [x, 0]}))["value"])
+        };
+        let area = std::f64::consts::TAU * 1e-10;
+        assert!((at(1e6) / (0.7 * area) - 1.0).abs() < 1e-14);
+        assert!((at(-1e6) / (0.2 * area) - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn the_lobe_of_an_exponential_is_known() {
+        // 2π l² (1 + q² l²)^(−3/2), also as K-correlation of exponent 3/2
+        let expected = std::f64::consts::TAU * 4e-12 * 2_f64.powf(-1.5);
+        for r in [
+            json!({"kind": "exponential", "l": 2e-6, "tolerance": 1e-9}),
+            json!({"kind": "k_correlation", "exponent": 1.5, "l": 2e-6, "tolerance": 1e-9}),
         ] {
-            let weights = poisson(g);
-            let found = weights.iter().find(|(power, _)| *power == m).unwrap().1;
-            let bound = (12.0 * g.sqrt() + 30.0) * f64::EPSILON;
-            assert!(
-                (found / expected - 1.0).abs() < bound,
-                "{g} {m}: {found} {expected}"
-            );
-            let mean: f64 = weights.iter().map(|(m, w)| f64::from(*m) * w).sum();
-            assert!((mean - g).abs() <= bound * g, "{mean} {g}");
+            let found = result(json!({"R": r, "phi": [0, 5e5]}));
+            assert!((real(&found["value"]) / expected - 1.0).abs() < 1e-8);
         }
-        // e^(−80) is 1.8e-35
-        assert!(poisson(80.0).iter().all(|(m, _)| *m > 0));
+    }
+
+    #[test]
+    fn rough_is_what_gaussian_heights_do() {
+        let rough = json!({"kind": "rough", "g": 4, "l": 3e-6});
+        let heights = json!({"kind": "relief", "relief": {"kind": "gaussian", "sigma": 1e-7, "l": 3e-6}, "phi_z": 2e7});
+        let [rough, heights] = [rough, heights].map(|r| {
+            let found = result(json!({"R": r, "phi": [1e6, 0]}));
+            [real(&found["value"]), real(&found["coherent_weight"])]
+        });
+        assert!((rough[0] / heights[0] - 1.0).abs() < 1e-13);
+        assert!((rough[1] / (-4_f64).exp() - 1.0).abs() < 1e-14);
+        assert!((rough[1] / heights[1] - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn powers_of_rough_below_the_least_weight_are_left_out() {
+        // e^(−80) = 1.8e-35
+        let found =
+            |g: f64| result(json!({"R": {"kind": "rough", "g": g, "l": 3e-6}, "phi": [0, 0]}));
+        assert_eq!(real(&found(80.0)["coherent_weight"]), 0.0);
+        let kept = real(&found(70.0)["coherent_weight"]);
+        assert!((kept / 3.975_449_735_908_647e-31 - 1.0).abs() < 1e-13);
     }
 }

@@ -4,12 +4,16 @@ mod elements;
 pub mod entry;
 mod fields;
 mod functions;
+mod grating;
 mod interaction;
 mod layers;
 mod light;
 mod matter;
+mod relief;
 pub mod result;
 pub mod schema;
+mod slits;
+mod surface;
 
 use entry::Entry;
 use result::Item;
@@ -173,6 +177,24 @@ pub const OPS: &[Op] = &[
         "element, … [, rotated]",
         "T, M, singular_values, diattenuation, retardance",
         elements::jones_element,
+    ),
+    Op::new(
+        "surface",
+        "boundary, relief, to_source, to_observer, lambda [, n_incident, n_outgoing, light, tolerance, obliquity, shadowing, x_in, x_out]",
+        "M, phi_t, phi_z, coherent_weight, method, terms, error, beams",
+        surface::surface,
+    ),
+    Op::new(
+        "grating",
+        "profile, pitch, to_source, lambda [, across, side, n_incident, n_outgoing]",
+        "orders, to_observer, phi_z, amplitude, share, efficiency, lossless",
+        grating::grating,
+    ),
+    Op::new(
+        "slits",
+        "openings, screen_area, to_source, to_observers, lambda [, n_incident, n_outgoing, light, tolerance, pair, stokes]",
+        "M, open_fraction, error, gamma, visibility",
+        slits::slits,
     ),
 ];
 

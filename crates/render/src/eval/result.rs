@@ -1,4 +1,4 @@
-//! The results of `brewster eval`: numbers by name, written with 17 significant digits or refused.
+//! The results of `brewster eval`: numbers by name, written with 17 significant digits or refused, and words.
 
 use nalgebra::{DMatrix, SMatrix};
 use num_complex::Complex64;
@@ -6,13 +6,15 @@ use serde_json::{Map, Value, json};
 
 use super::schema::CaseError;
 
-/// A result: numbers in lists and groups.
+/// A result: numbers and words in lists and groups.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Item {
     /// A real number.
     Real(f64),
     /// A complex number.
     Complex(Complex64),
+    /// What was chosen, by name.
+    Word(&'static str),
     /// Numbers in a row, or rows of them.
     List(Vec<Item>),
     /// Results by name.
@@ -46,6 +48,7 @@ impl Item {
         Ok(match self {
             Self::Real(x) => real(*x)?.into(),
             Self::Complex(z) => json!({"re": real(z.re)?, "im": real(z.im)?}),
+            Self::Word(word) => (*word).into(),
             Self::List(items) => items
                 .iter()
                 .enumerate()
