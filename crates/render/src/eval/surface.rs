@@ -1,6 +1,6 @@
 //! The operation `surface`: what a smooth or rough boundary does to polarized light.
 
-use mueller16::surface::{Boundary, Film, RayFrames, Specular, Surface};
+use mueller16::{Boundary, Film, RayFrames, Specular, Surface};
 use mueller16::{
     ConductorInterface, DielectricInterface, Geometry, IncidentCoherence, Relief, Tolerance,
 };
