@@ -123,15 +123,18 @@ impl<'a, const J: usize> Modes<'a, J> {
             let back = [m11.map(|m| down * m), m22.map(|m| down * m)];
             let across = m12.map(|m| (down + down) * m);
             for b in (0..=n).rev() {
-                for l in 0..L {
-                    let forth = along[0][l] * now[b + 2][l] + along[1][l] * now[b + 1][l];
-                    let back = back[0][l] * before[b + 2][l] + back[1][l] * before[b][l];
-                    before[b + 2][l] = if ACROSS {
-                        forth + (back + across[l] * before[b + 1][l])
+                // all lanes are read before one is written, so that they are one vector
+                let (g, left) = (now[b + 2], now[b + 1]);
+                let [last, skew, far] = [before[b + 2], before[b + 1], before[b]];
+                before[b + 2] = std::array::from_fn(|l| {
+                    let forth = along[0][l] * g[l] + along[1][l] * left[l];
+                    let back = back[0][l] * last[l] + back[1][l] * far[l];
+                    if ACROSS {
+                        forth + (back + across[l] * skew[l])
                     } else {
                         forth + back
-                    };
-                }
+                    }
+                });
             }
             std::mem::swap(&mut now, &mut before);
             self.add_degree(n, now, &mut sums);
