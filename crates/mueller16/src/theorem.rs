@@ -173,22 +173,22 @@ impl Channels {
     /// Cost: one recurrence for each Gaussian of each different autocorrelation, `(N + 1)(N + 2)/2` steps for light of
     /// order N, whatever the number of channels; no allocation for one envelope.
     ///
-    /// Least times over rounds on one core of a 2 GHz Xeon that others used too, built for nothing newer than SSE2
+    /// Least times over rounds on one core of a 2 GHz Xeon, built for nothing newer than SSE2
     /// (`cargo run --release -p mueller16 --example interaction_run_time -- OUT.csv`; `docs/interaction_run_time.csv` has
     /// the rest, with errors):
     ///
     /// | part | matter | N | ns |
     /// |---|---|---|---|
-    /// | yardstick | 4 channels of one autocorrelation | 0 | 203 |
-    /// | yardstick | 4 channels of 4 autocorrelations | 0 | 594 |
-    /// | yardstick | 16 channels of one autocorrelation | 4 | 257 |
-    /// | yardstick | 16 channels of 16 autocorrelations | 4 | 3323 |
-    /// | yardstick | the same with 4 series | 4 | 4150 |
-    /// | skip | 64 Gaussians | 4 | 2257 |
-    /// | skip | 64 Gaussians isotropic | 4 | 1928 |
-    /// | skip | 64 Gaussians in f32 | 4 | 2108 |
-    /// | grating | all orders | 0 | 970 |
-    /// | grating | orders within 1e-4 | 0 | 936 |
+    /// | yardstick | 4 channels of one autocorrelation | 0 | 90 |
+    /// | yardstick | 4 channels of 4 autocorrelations | 0 | 214 |
+    /// | yardstick | 16 channels of one autocorrelation | 4 | 162 |
+    /// | yardstick | 16 channels of 16 autocorrelations | 4 | 1745 |
+    /// | yardstick | the same with 4 series | 4 | 2313 |
+    /// | skip | 64 Gaussians | 4 | 2324 |
+    /// | skip | 64 Gaussians isotropic | 4 | 2138 |
+    /// | skip | 64 Gaussians in f32 | 4 | 1961 |
+    /// | grating | all orders | 0 | 848 |
+    /// | grating | orders within 1e-4 | 0 | 856 |
     ///
     /// # Errors
     ///

@@ -44,8 +44,9 @@ fn the_documentation_quotes_the_table() {
             continue;
         };
         let cells: Vec<_> = line.trim_end_matches(" |").split(" | ").collect();
+        // other tables have other columns
         let [part, name, order, ns] = cells[..] else {
-            panic!("{line}");
+            continue;
         };
         let (Ok(order), Ok(ns)) = (order.parse::<usize>(), ns.parse::<f64>()) else {
             continue;
