@@ -35,6 +35,11 @@ INTERACTION_EXAMPLE = [
 
 Row = dict[str, str]
 
+# what the parts of the interaction's table are called in its picture
+PARTS = {
+    "order": "order", "rough": "powers", "heights": "chosen", "grating": "grating",
+}  # fmt: skip
+
 # Okabe and Ito's colours, and a marker of its own for each source
 SOURCES = {
     ("gaussian", "variance × 2"): ("#0072B2", "o", "-", "Gaussian, shape's variance × 2"),
@@ -164,24 +169,31 @@ def draw_interaction(rows: list[Row], png: Path) -> None:
     from matplotlib import pyplot
 
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(13, 5.6), layout="constrained")
-    for part, style, marker in (("order", "-", "o"), ("rough", "--", "s"), ("grating", ":", "^")):
-        chosen = [r for r in rows if r["part"] == part and r["error"] and r["number"] == "f64"]
-        for name in dict.fromkeys(r["name"] for r in chosen):
-            line = [r for r in chosen if r["name"] == name and float(r["error"]) > 0]
+    # one colour a roughness: filled where the Gaussians are chosen, hollow where powers are summed
+    colours: dict[str, object] = {}
+    for part, style, marker in (
+        ("order", "-", "o"), ("rough", ":", "s"), ("heights", "--", "D"), ("grating", "-.", "^"),
+    ):  # fmt: skip
+        drawn = [r for r in rows if r["part"] == part and r["error"] and r["number"] == "f64"]
+        for name in dict.fromkeys(r["name"] for r in drawn):
+            line = [r for r in drawn if r["name"] == name and float(r["error"]) > 0]
             # the last row of a rough surface is the limit of great roughness, no sum
             if part == "rough":
                 line = line[:-1]
-            axis = [float(r["error"]) for r in line]
-            left.plot(
-                axis, [float(r["least_ns"]) for r in line],
-                linestyle=style, marker=marker, markersize=4, label=f"{part}: {name}",
+            (curve,) = left.plot(
+                [float(r["error"]) for r in line], [float(r["least_ns"]) for r in line],
+                linestyle=style, marker=marker, markersize=4, color=colours.get(name),
+                markerfacecolor="none" if part == "rough" else None,
+                label=f"{PARTS[part]}: {name}",
             )  # fmt: skip
+            colours[name] = curve.get_color()
     left.set_xscale("log")
     left.set_yscale("log")
     left.invert_xaxis()
     left.set_xlabel("largest error / largest value of the lobe")
     left.set_ylabel("time of a transfer, ns (least over rounds)")
-    left.legend(fontsize=7)
+    left.legend(fontsize=6, ncols=2, loc="upper center")
+    left.set_ylim(top=4e5)
     left.set_title("time against error: order, Gaussians, orders of a grating", fontsize=10)
     bars = [r for r in rows if r["part"] in ("yardstick", "channels", "skip", "layers")]
     labels = [f"{r['part']}: {r['name']}, N = {r['order']}" for r in bars]

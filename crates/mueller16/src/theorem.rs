@@ -181,14 +181,14 @@ impl Channels {
     /// |---|---|---|---|
     /// | yardstick | 4 channels of one autocorrelation | 0 | 90 |
     /// | yardstick | 4 channels of 4 autocorrelations | 0 | 214 |
-    /// | yardstick | 16 channels of one autocorrelation | 4 | 162 |
-    /// | yardstick | 16 channels of 16 autocorrelations | 4 | 1745 |
-    /// | yardstick | the same with 4 series | 4 | 2313 |
-    /// | skip | 64 Gaussians | 4 | 2324 |
-    /// | skip | 64 Gaussians isotropic | 4 | 2138 |
-    /// | skip | 64 Gaussians in f32 | 4 | 1961 |
-    /// | grating | all orders | 0 | 848 |
-    /// | grating | orders within 1e-4 | 0 | 856 |
+    /// | yardstick | 16 channels of one autocorrelation | 4 | 161 |
+    /// | yardstick | 16 channels of 16 autocorrelations | 4 | 1747 |
+    /// | yardstick | the same with 4 series | 4 | 2339 |
+    /// | skip | 64 Gaussians | 4 | 2506 |
+    /// | skip | 64 Gaussians isotropic | 4 | 2336 |
+    /// | skip | 64 Gaussians in f32 | 4 | 2103 |
+    /// | grating | all orders | 0 | 846 |
+    /// | grating | orders within 1e-4 | 0 | 852 |
     ///
     /// # Errors
     ///

@@ -107,7 +107,10 @@ fn single_precision_and_tolerances_keep_their_word() {
 fn rough_surfaces_tend_to_their_limit() {
     for (name, g) in [("g = 100", 1e2), ("g = 1000", 1e3), ("g = 1e4", 1e4)] {
         let rows = rows();
-        let lines: Vec<_> = rows.iter().filter(|row| row.name == name).collect();
+        let lines: Vec<_> = rows
+            .iter()
+            .filter(|row| row.part == "rough" && row.name == name)
+            .collect();
         let (limit, sums) = lines.split_last().unwrap();
         assert_eq!(limit.terms, 1);
         assert!(limit.error.unwrap() <= 1.0 / g, "{name}");
@@ -116,4 +119,33 @@ fn rough_surfaces_tend_to_their_limit() {
             assert!(pair[1].error <= pair[0].error, "{name}");
         }
     }
+}
+
+/// What is chosen for a tolerance keeps it, by fewer Gaussians than the sum of powers of the same error.
+#[test]
+fn chosen_gaussians_keep_the_tolerance() {
+    let rows = rows();
+    let mut count = 0;
+    for name in [
+        "g = 0.1", "g = 1", "g = 10", "g = 100", "g = 1000", "g = 1e4",
+    ] {
+        let of = |part| {
+            rows.iter()
+                .filter(move |row| row.part == part && row.name == name)
+        };
+        for (row, tolerance) in of("heights").zip([1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9, 1e-12]) {
+            let error = row.error.unwrap();
+            assert!(error <= tolerance, "{name} {tolerance}: {error}");
+            let rivals = of("rough").filter(|sum| sum.terms > 1 && sum.error.unwrap() <= error);
+            if let Some(least) = rivals.map(|sum| sum.terms).min() {
+                assert!(
+                    row.terms <= least,
+                    "{name} {tolerance}: {} of {least}",
+                    row.terms
+                );
+            }
+            count += 1;
+        }
+    }
+    assert_eq!(count, 6 * 7);
 }

@@ -92,6 +92,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     races::skips(&mut table)?;
     races::orders(&mut table)?;
     races::roughness(&mut table)?;
+    races::heights(&mut table)?;
     races::grating(&mut table)?;
     races::layers(&mut table)?;
     std::fs::write(path, table.0)?;

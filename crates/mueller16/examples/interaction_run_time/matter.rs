@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use mueller16::{Autocorrelation, Channels, GaussianTerm, Geometry, IncidentCoherence};
+use mueller16::{Autocorrelation, Channels, GaussianTerm, Geometry, IncidentCoherence, Tolerance};
 use nalgebra::{Matrix2, Matrix4, Vector2, Vector3};
 use stokes::{
     Components, Envelope, Frame, GeneralizedStokes, HermiteSeries, Mueller, ShapeMatrix,
@@ -114,24 +114,37 @@ pub(crate) fn family(root: &Matrix2<f64>, count: usize) -> Anything<Autocorrelat
 
 /// The Gaussians `e^(−g) g^m/m!` of a rough surface with `m ≥ 1` that exceed `least` of the largest.
 pub(crate) fn rough(g: f64, least: f64) -> Anything<Autocorrelation> {
-    let last = (g + 12.0 * g.sqrt() + 30.0) as usize;
-    let mut ln = -g;
-    let logarithms: Vec<f64> = (1..=last)
-        .map(|m| {
-            ln += (g / m as f64).ln();
-            ln
-        })
-        .collect();
-    let most = logarithms.iter().fold(f64::MIN, |most, ln| most.max(*ln));
-    let terms = logarithms
+    let mode = g.max(1.0) as usize;
+    let reach = (12.0 * g.sqrt() + 30.0) as usize;
+    // from the largest down and up, each in units of it
+    let mut weights: Vec<(usize, f64)> = vec![];
+    let mut weight = 1.0;
+    for m in (mode.saturating_sub(reach).max(1)..=mode).rev() {
+        weights.push((m, weight));
+        weight *= m as f64 / g;
+    }
+    weight = 1.0;
+    for m in mode + 1..=mode + reach {
+        weight *= g / m as f64;
+        weights.push((m, weight));
+    }
+    // together they are 1 − e^(−g)
+    let unit = -(-g).exp_m1() / weights.iter().map(|(_, weight)| weight).sum::<f64>();
+    let terms = weights
         .into_iter()
-        .zip(1..)
-        .filter(|(ln, _)| ln - most >= least.ln())
-        .map(|(ln, m)| GaussianTerm::centred(ln.exp(), f64::from(m)));
+        .filter(|(_, weight)| *weight >= least)
+        .map(|(m, weight)| GaussianTerm::centred(weight * unit, m as f64));
     Ok(Autocorrelation::of_family(
         &(Matrix2::identity() * width(g)),
         terms,
     )?)
+}
+
+/// The same without its mirror, by the Gaussians that the crate chooses for a tolerance.
+pub(crate) fn heights(g: f64, tolerance: Tolerance) -> Anything<Autocorrelation> {
+    let root = Matrix2::identity() * width(g);
+    let (r, _) = Autocorrelation::of_gaussian_phase(g, &root, tolerance)?;
+    Ok(r.without_deltas())
 }
 
 /// The limit of great roughness: one Gaussian.

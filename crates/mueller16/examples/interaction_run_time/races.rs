@@ -292,6 +292,46 @@ pub(crate) fn roughness(table: &mut Table) -> Outcome {
     Ok(())
 }
 
+/// A rough surface to a tolerance: the transfer by the Gaussians that are chosen for it, and the choosing with it.
+pub(crate) fn heights(table: &mut Table) -> Outcome {
+    let g = matter::geometry(1e-3)?;
+    let light = matter::light(0)?;
+    for (name, with_choice, roughness) in [
+        ("g = 0.1", "g = 0.1 with the choice", 0.1),
+        ("g = 1", "g = 1 with the choice", 1.0),
+        ("g = 10", "g = 10 with the choice", 10.0),
+        ("g = 100", "g = 100 with the choice", 100.0),
+        ("g = 1000", "g = 1000 with the choice", 1e3),
+        ("g = 1e4", "g = 1e4 with the choice", 1e4),
+    ] {
+        let truth = matter::shared(4, matter::rough(roughness, 1e-18)?);
+        for tolerance in [1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9, 1e-12] {
+            let tolerance = Tolerance::relative(tolerance)?;
+            let r = matter::heights(roughness, tolerance)?;
+            let terms = r.term_count();
+            let matter = matter::shared(4, r);
+            let error = error_of(intensity(&matter, &light), intensity(&truth, &light))?;
+            let entry = Row {
+                error: Some(error),
+                ..row(name, 0, terms, 4)
+            };
+            let whole: Work<'_> = Box::new(|| {
+                if let Ok(r) = matter::heights(black_box(roughness), tolerance) {
+                    let _ = black_box(matter::shared(4, r).transfer(black_box(&g), &light));
+                }
+            });
+            table.race(
+                "heights",
+                vec![
+                    (row(with_choice, 0, terms, 4), whole),
+                    (entry, transfer(&matter, &g, &light)),
+                ],
+            );
+        }
+    }
+    Ok(())
+}
+
 /// A grating of 41 orders, with a tolerance that leaves out those far from the direction.
 pub(crate) fn grating(table: &mut Table) -> Outcome {
     let g = matter::geometry(1e-3)?;
