@@ -265,7 +265,7 @@ fn what_is_no_surface_grating_or_screen_is_named() {
                 "relief",
                 json!({"kind": "gaussian", "sigma": -1e-8, "l": 1e-6}),
             ),
-            "key 'relief': heights: the standard deviation is -0.00000001 m, expected 0 to 1e24 m",
+            "key 'relief': autocorrelation: the standard deviation of the heights is -1e-8, expected a number between 0 and 1e24 m",
         ),
         (
             surface("relief", json!({"kind": "gaussian", "sigma": 1e-8})),

@@ -30,7 +30,7 @@ use crate::autocorrelation::{GaussianFamily, GaussianTerm};
 use crate::recurrence::{Lobes, Modes};
 
 /// Gaussians that are met side by side.
-const LANES: usize = 4;
+pub(crate) const LANES: usize = 4;
 
 /// `√π`
 const PI_ROOT: f64 = 1.772_453_850_905_516;
@@ -138,6 +138,38 @@ impl<'a> Meeting<'a> {
         }
     }
 
+    /// The integrals of Gaussians that are alone in their families, one of each.
+    #[inline(always)]
+    pub(crate) fn side_by_side<T: Real, const L: usize>(
+        meetings: &[Self; L],
+        phi: &Vector2<f64>,
+        request: &Request<'_, 1>,
+    ) -> Option<[f64; L]> {
+        let order = request.modes.order();
+        if order == 0 {
+            Self::singles::<T, L, false>(meetings, phi, request)
+        } else if order > MAX_ORDER_F32 {
+            Self::singles::<f64, L, true>(meetings, phi, request)
+        } else {
+            Self::singles::<T, L, true>(meetings, phi, request)
+        }
+    }
+
+    #[inline(always)]
+    fn singles<T: Real, const L: usize, const MODES: bool>(
+        meetings: &[Self; L],
+        phi: &Vector2<f64>,
+        request: &Request<'_, 1>,
+    ) -> Option<[f64; L]> {
+        let mut terms = [GaussianTerm::centred(0.0, 1.0); L];
+        for (term, meeting) in terms.iter_mut().zip(meetings) {
+            *term = *meeting.family.terms().first()?;
+        }
+        let places = std::array::from_fn(|l| meetings[l].place::<MODES>(&(phi - terms[l].shift)));
+        let [found] = Self::block::<T, L, 1, MODES>(meetings.each_ref(), &terms, &places, request)?;
+        Some(found)
+    }
+
     #[inline(always)]
     fn add_all<T: Real, const J: usize, const MODES: bool>(
         &self,
@@ -180,23 +212,35 @@ impl<'a> Meeting<'a> {
         request: &Request<'_, J>,
         sums: &mut [f64; J],
     ) -> Option<()> {
-        let (lobes, scale) = self.lobes::<T, L, MODES>(terms, places, request.reach)?;
+        let found = Self::block::<T, L, J, MODES>([self; L], terms, places, request)?;
+        for (sum, found) in sums.iter_mut().zip(found) {
+            for found in found {
+                *sum += found;
+            }
+        }
+        Some(())
+    }
+
+    /// The integrals of each series over Gaussians that need not share a family.
+    #[inline(always)]
+    fn block<T: Real, const L: usize, const J: usize, const MODES: bool>(
+        meetings: [&Self; L],
+        terms: &[GaussianTerm; L],
+        places: &[Place; L],
+        request: &Request<'_, J>,
+    ) -> Option<[[f64; L]; J]> {
+        let (lobes, scale) = Self::lobes::<T, L, MODES>(meetings, terms, places, request.reach)?;
         if scale == [0.0; L] {
-            return Some(());
+            return Some([[0.0; L]; J]);
         }
         let found = if !MODES {
             request.modes.fundamental(&lobes)
-        } else if self.across == 0.0 {
+        } else if meetings.iter().all(|meeting| meeting.across == 0.0) {
             request.modes.contract::<T, L, false>(&lobes)
         } else {
             request.modes.contract::<T, L, true>(&lobes)
         };
-        for (sum, found) in sums.iter_mut().zip(found) {
-            for (found, scale) in found.into_iter().zip(scale) {
-                *sum += found.to_f64() * scale;
-            }
-        }
-        Some(())
+        Some(found.map(|found| std::array::from_fn(|l| found[l].to_f64() * scale[l])))
     }
 
     #[inline(always)]
@@ -228,19 +272,23 @@ impl<'a> Meeting<'a> {
     /// number. What lies beyond reach has the factor 0.
     #[inline(always)]
     fn lobes<T: Real, const L: usize, const MODES: bool>(
-        &self,
+        meetings: [&Self; L],
         terms: &[GaussianTerm; L],
         places: &[Place; L],
         reach: f64,
     ) -> Option<(Lobes<T, L>, [f64; L])> {
-        let [r1, r2] = self.squares;
-        let delta = self.delta;
-        let det_d = self.family.root_determinant().abs();
+        let r1 = meetings.map(|meeting| meeting.squares[0]);
+        let r2 = meetings.map(|meeting| meeting.squares[1]);
+        let delta = meetings.map(|meeting| meeting.delta);
+        let det_d = meetings.map(|meeting| meeting.family.root_determinant().abs());
         // e^(x/2) leaves room before the largest number, and x/2 is one that `Real::decay` takes
         let reach = reach.min(0.9 * T::NEAR.to_f64() * T::NEAR.to_f64());
         // step by step over all lanes, by which each step becomes vector code
         let rate: [f64; L] = std::array::from_fn(|l| terms[l].rate);
-        let det = rate.map(|m| m * m + m * (r1 + r2) + delta * delta);
+        let det: [f64; L] = std::array::from_fn(|l| {
+            let (m, delta) = (rate[l], delta[l]);
+            m * m + m * (r1[l] + r2[l]) + delta * delta
+        });
         let inverse = det.map(|det| 1.0 / det);
         let x: [f64; L] = std::array::from_fn(|l| {
             0.5 * (rate[l] * places[l].d_squared + places[l].c_squared) * inverse[l]
@@ -249,7 +297,8 @@ impl<'a> Meeting<'a> {
         let near = x.map(|x| x <= reach);
         let start: [T; L] =
             std::array::from_fn(|l| T::from_f64(if near[l] { 0.5 * x[l] } else { 0.0 }).decay());
-        let height = inverse.map(|inverse| 2.0 * PI_ROOT * det_d * inverse.sqrt());
+        let height: [f64; L] =
+            std::array::from_fn(|l| 2.0 * PI_ROOT * det_d[l] * inverse[l].sqrt());
         let scale: [f64; L] = std::array::from_fn(|l| {
             let factor = terms[l].weight * height[l] * start[l].to_f64();
             if near[l] { factor } else { 0.0 }
@@ -262,18 +311,18 @@ impl<'a> Meeting<'a> {
             for axis in 0..2 {
                 let z: [f64; L] = std::array::from_fn(|l| {
                     let Place { along, c, .. } = places[l];
-                    let z = (rate[l] * along[axis] + delta * c[axis]) * inverse[l];
+                    let z = (rate[l] * along[axis] + delta[l] * c[axis]) * inverse[l];
                     if near[l] { z } else { 0.0 }
                 });
                 lobes.z[axis] = z.map(T::from_f64);
             }
             // (m² − δ²) as a product: exact where the two are close
-            let even = rate.map(|m| (m - delta) * (m + delta));
-            let skew = rate.map(|m| m * (r2 - r1));
             for l in 0..L {
-                lobes.m[0][l] = T::from_f64((even[l] + skew[l]) * inverse[l]);
-                lobes.m[1][l] = T::from_f64(-2.0 * rate[l] * self.across * inverse[l]);
-                lobes.m[2][l] = T::from_f64((even[l] - skew[l]) * inverse[l]);
+                let (m, delta) = (rate[l], delta[l]);
+                let (even, skew) = ((m - delta) * (m + delta), m * (r2[l] - r1[l]));
+                lobes.m[0][l] = T::from_f64((even + skew) * inverse[l]);
+                lobes.m[1][l] = T::from_f64(-2.0 * m * meetings[l].across * inverse[l]);
+                lobes.m[2][l] = T::from_f64((even - skew) * inverse[l]);
             }
         }
         let least = det.into_iter().fold(f64::INFINITY, f64::min);

@@ -123,6 +123,35 @@ fn a_family_is_the_sum_of_its_gaussians_bit_by_bit() {
 }
 
 #[test]
+fn families_side_by_side_are_each_what_they_are_alone() {
+    let phi = Vector2::new(1.3, -0.6);
+    for order in [0, 3, 20, 70] {
+        let series = ramp(order);
+        // the second with axes along the light's: M₁₂ = 0 in one lane alone
+        let families: [_; LANES] = std::array::from_fn(|l| {
+            let root = if l == 1 {
+                plane::inverse(&LIGHT).transpose()
+            } else {
+                ROOT * (1.0 + l as f64)
+            };
+            GaussianFamily::new(&root, [terms(4)[l]]).unwrap()
+        });
+        let meetings = families
+            .each_ref()
+            .map(|f| Meeting::new(f, &LIGHT, plane::determinant(&LIGHT)));
+        let request = Request::new([Some(&series)], None);
+        let together = Meeting::side_by_side::<f64, LANES>(&meetings, &phi, &request).unwrap();
+        for (family, found) in families.iter().zip(together) {
+            assert_eq!(
+                found,
+                sum_in::<f64>(family, &LIGHT, &phi, &series, None),
+                "{order}"
+            );
+        }
+    }
+}
+
+#[test]
 fn what_a_tolerance_leaves_out_is_below_it() {
     let mut left_out = 0;
     for order in [0, 1, 4, 9, 30] {

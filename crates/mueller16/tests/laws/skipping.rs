@@ -38,6 +38,59 @@ fn coherence(order: usize) -> IncidentCoherence {
     IncidentCoherence::new(skew_root() * 1e7, &series(order, 0.4)).unwrap()
 }
 
+/// Sixteen channels with an autocorrelation each: the transfer of all of them has, channel by channel, the bits of the
+/// transfer of one, wherever it stands in the list and whatever its neighbours are.
+#[test]
+fn channels_of_different_autocorrelations_do_not_touch_each_other() {
+    let geometry = oblique([5e4, -3e4]);
+    let places: Vec<_> = (0..16).map(|i| (i / 4, i % 4)).collect();
+    // single Gaussians, but for two of every five
+    let matter = |i: usize| {
+        let root = skew_root() * (1e-3 * (1.0 + 0.1 * i as f64));
+        let terms = (0..1 + usize::from(i % 5 > 2)).map(|t| GaussianTerm {
+            weight: 0.7 - 0.1 * t as f64,
+            rate: 1.0 + t as f64,
+            shift: Vector2::new(2e4 * i as f64, -1e4 * t as f64),
+        });
+        Autocorrelation::of_family(&root, terms).unwrap()
+    };
+    let (l, j) = places[7];
+    assert!(matter(7).spectrum(&geometry.tangential()) > 0.0);
+    let one = |(l, j): (usize, usize)| -> Mueller {
+        let mut m = Matrix4::zeros();
+        m[(l, j)] = 0.3 + l as f64 - 0.2 * j as f64;
+        m.into()
+    };
+    for order in [0, 4] {
+        let light =
+            IncidentCoherence::new(Matrix2::new(7e4, -5e4, 2e4, 9e4), &series(order, 0.4)).unwrap();
+        for count in [4, 5, 7, 16] {
+            let all = (0..count).fold(Channels::default(), |sum, i| {
+                sum.with(&one(places[i]), matter(i), 0)
+            });
+            let together = all.transfer(&geometry, &light).unwrap().total();
+            for i in 0..count {
+                let (l, j) = places[i];
+                let alone = Channels::new(&one((l, j)), matter(i));
+                let alone = alone.transfer(&geometry, &light).unwrap().total();
+                assert_eq!(
+                    together.element(l, j),
+                    alone.element(l, j),
+                    "{order} {count} {i}"
+                );
+            }
+        }
+        assert_ne!(0.0, {
+            let alone = Channels::new(&one((l, j)), matter(7));
+            alone
+                .transfer(&geometry, &light)
+                .unwrap()
+                .total()
+                .element(l, j)
+        });
+    }
+}
+
 #[test]
 fn every_channel_set_gives_the_same_bits_on_the_channels_it_has() {
     let geometry = oblique([5e4, -3e4]);
