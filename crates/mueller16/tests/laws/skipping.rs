@@ -69,8 +69,7 @@ fn channels_of_different_autocorrelations_do_not_touch_each_other() {
                 sum.with(&one(places[i]), matter(i), 0)
             });
             let together = all.transfer(&geometry, &light).unwrap().total();
-            for i in 0..count {
-                let (l, j) = places[i];
+            for (i, &(l, j)) in places.iter().enumerate().take(count) {
                 let alone = Channels::new(&one((l, j)), matter(i));
                 let alone = alone.transfer(&geometry, &light).unwrap().total();
                 assert_eq!(
