@@ -180,16 +180,16 @@ impl Channels {
     ///
     /// | part | matter | N | ns |
     /// |---|---|---|---|
-    /// | yardstick | 4 channels of one autocorrelation | 0 | 90 |
-    /// | yardstick | 4 channels of 4 autocorrelations | 0 | 214 |
-    /// | yardstick | 16 channels of one autocorrelation | 4 | 161 |
-    /// | yardstick | 16 channels of 16 autocorrelations | 4 | 1747 |
-    /// | yardstick | the same with 4 series | 4 | 2339 |
-    /// | skip | 64 Gaussians | 4 | 2506 |
-    /// | skip | 64 Gaussians isotropic | 4 | 2336 |
-    /// | skip | 64 Gaussians in f32 | 4 | 2103 |
-    /// | grating | all orders | 0 | 846 |
-    /// | grating | orders within 1e-4 | 0 | 852 |
+    /// | yardstick | 4 channels of one autocorrelation | 0 | 86 |
+    /// | yardstick | 4 channels of 4 autocorrelations | 0 | 209 |
+    /// | yardstick | 16 channels of one autocorrelation | 4 | 163 |
+    /// | yardstick | 16 channels of 16 autocorrelations | 4 | 1200 |
+    /// | yardstick | the same with 4 series | 4 | 2307 |
+    /// | skip | 64 Gaussians | 4 | 2352 |
+    /// | skip | 64 Gaussians isotropic | 4 | 2206 |
+    /// | skip | 64 Gaussians in f32 | 4 | 1691 |
+    /// | grating | all orders | 0 | 1279 |
+    /// | grating | orders within 1e-4 | 0 | 1297 |
     ///
     /// # Errors
     ///
