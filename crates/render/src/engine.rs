@@ -232,10 +232,20 @@ fn tile_pass(
         (SpectralMode::Single(_), true) => {
             Worker::<Polarized<1>>::new(job, filter).run(tile, range, stack)
         }
+        // directions that depend on the wavelength: a path for each
+        (_, false) if job.scene.traits().disperses => {
+            Worker::<Intensity<1>>::new(job, filter).run(tile, range, stack)
+        }
+        (_, true) if job.scene.traits().disperses => {
+            Worker::<Polarized<1>>::new(job, filter).run(tile, range, stack)
+        }
         (_, false) => Worker::<Intensity<4>>::new(job, filter).run(tile, range, stack),
         (_, true) => Worker::<Polarized<4>>::new(job, filter).run(tile, range, stack),
     }
 }
+
+/// Wavelengths of a camera sample in colour, evenly apart: as many as a path carries, or a path each.
+const PER_SAMPLE: usize = 4;
 
 /// One thread at work on one tile.
 struct Worker<'a, L: Light> {
@@ -324,13 +334,16 @@ impl<'a, L: Light> Worker<'a, L> {
                 }
             }
             SpectralMode::Rgb => {
-                let drawn: [(f32, f32); 4] = std::array::from_fn(|lane| {
-                    sample_wavelength((u + lane as f32 / L::LANES as f32).fract())
+                let drawn: [(f32, f32); PER_SAMPLE] = std::array::from_fn(|k| {
+                    sample_wavelength((u + k as f32 / PER_SAMPLE as f32).fract())
                 });
-                let wavelengths = L::lanes(|lane| drawn[lane].0);
-                let seen = path(wavelengths.as_ref());
-                for (stokes, (wavelength, density)) in seen.as_ref().iter().zip(drawn) {
-                    colours.add_spectral(*stokes, wavelength, (density * L::LANES as f32).recip());
+                for drawn in drawn.chunks(L::LANES) {
+                    let wavelengths = L::lanes(|lane| drawn[lane].0);
+                    let seen = path(wavelengths.as_ref());
+                    for (stokes, &(wavelength, density)) in seen.as_ref().iter().zip(drawn) {
+                        let weight = (density * PER_SAMPLE as f32).recip();
+                        colours.add_spectral(*stokes, wavelength, weight);
+                    }
                 }
             }
         }

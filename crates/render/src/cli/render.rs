@@ -10,7 +10,9 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use cpu_time::ProcessTime;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::values::{Band, Crop, Define, Size, parse_duration, parse_error, parse_wavelength};
+use super::values::{
+    Band, Crop, Define, Size, parse_duration, parse_error, parse_patch, parse_wavelength,
+};
 use super::{Failure, Outcome};
 use crate::engine::{self, Job, Limits, Progress, Rendering};
 use crate::film::SpectralMode;
@@ -18,6 +20,7 @@ use crate::image::{Colour, StokesImage};
 use crate::maps::{self, MapOptions};
 use crate::needs::Needs;
 use crate::output::{self, ImageError, WriteOptions};
+use crate::path::PathOptions;
 use crate::sampler::Generator;
 use crate::scene::{self, Overrides};
 
@@ -57,6 +60,9 @@ pub struct Args {
     /// S0 alone, by scalar transport
     #[arg(long)]
     unpolarized: bool,
+    /// Half-width of emitter patches, in widths of the lobe that sees them; 0: plane waves [default: the scene's, or 0.5]
+    #[arg(long, value_name = "R", value_parser = parse_patch)]
+    patch: Option<f32>,
     /// Generator of the random numbers
     #[arg(long, value_enum, default_value_t)]
     sampler: Generator,
@@ -243,7 +249,10 @@ fn load(args: &Args) -> Result<(Job, Vec<String>), Failure> {
         scene: built.scene,
         camera: built.camera,
         film: built.film,
-        paths: built.paths,
+        paths: PathOptions {
+            patch: args.patch.unwrap_or(built.paths.patch),
+            ..built.paths
+        },
         mode,
         polarized: !args.unpolarized,
         follow_polarization: !args.unpolarized && needs.polarization(),

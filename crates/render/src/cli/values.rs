@@ -146,6 +146,16 @@ pub fn parse_error(text: &str) -> Result<f64, String> {
     }
 }
 
+/// The size of emitter patches in widths of the lobe that sees them.
+pub fn parse_patch(text: &str) -> Result<f32, String> {
+    match text.trim().parse::<f32>() {
+        Ok(value) if (0.0..=1e3).contains(&value) => Ok(value),
+        _ => Err(format!(
+            "'{text}', expected a number from 0 (plane waves) to 1000 such as 0.5"
+        )),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

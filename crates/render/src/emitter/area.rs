@@ -46,17 +46,13 @@ impl Area {
             Body::Mesh(index) => scene.meshes[index as usize].sample(from, u),
         }?;
         let direction = (sample.position - from).normalize();
-        (direction.dot(sample.normal) < 0.0).then_some(Connection {
-            direction,
-            target: Some(Target {
-                position: sample.position,
-                error: sample.error,
-                normal: sample.normal,
-            }),
-            density: sample.pdf,
-            discrete: false,
-            weight: 1.0,
-        })
+        let target = Target {
+            position: sample.position,
+            error: sample.error,
+            normal: sample.normal,
+        };
+        (direction.dot(sample.normal) < 0.0)
+            .then(|| Connection::to_point(direction, Some(target), sample.pdf))
     }
 
     #[inline]

@@ -42,13 +42,7 @@ impl Constant {
     pub(super) fn connect(&self, frame: &Frame, u: [f32; 2]) -> Option<Connection> {
         let local = cosine_hemisphere(u);
         let density = local.z * FRAC_1_PI;
-        (density > 0.0).then_some(Connection {
-            direction: frame.to_world(local),
-            target: None,
-            density,
-            discrete: false,
-            weight: 1.0,
-        })
+        (density > 0.0).then(|| Connection::to_point(frame.to_world(local), None, density))
     }
 
     /// Density of `Constant::connect`.

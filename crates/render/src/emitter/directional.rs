@@ -13,6 +13,7 @@
 use glam::{DVec3, Vec3A};
 
 use super::Connection;
+use crate::coherence::Coherence;
 use crate::scene::{Object, SceneError};
 use crate::spectrum::{Spectrum, SpectrumUse};
 
@@ -62,6 +63,7 @@ impl Directional {
             density: 1.0,
             discrete: true,
             weight: 1.0,
+            coherence: Coherence::PLANE_WAVE,
         })
     }
 }

@@ -3,14 +3,18 @@
 pub mod area;
 pub mod constant;
 pub mod directional;
+pub mod patch;
 pub mod point;
 pub mod spot;
 
 use glam::Vec3A;
 
+use crate::coherence::Coherence;
 use crate::geometry::frame::Frame;
-use crate::scene::Scene;
+use crate::light::{Emission, Light};
+use crate::scene::{Body, Scene};
 use crate::shape::Surface;
+use patch::{Cut, Outline};
 
 /// Any light source.
 #[derive(Clone, Debug)]
@@ -38,8 +42,24 @@ pub struct Connection {
     pub density: f32,
     /// Whether no other way to sample it exists (a point, a single direction).
     pub discrete: bool,
-    /// Factor on the source's spectrum: 1 for radiance, 1/r² for intensity, …
+    /// Factor on the source's emission: 1 for radiance, 1/r² for intensity, …
     pub weight: f32,
+    /// Coherence of the light that comes this way.
+    pub coherence: Coherence,
+}
+
+impl Connection {
+    /// The way to one point of an area, or of the surroundings if there is no target: plane waves.
+    pub fn to_point(direction: Vec3A, target: Option<Target>, density: f32) -> Self {
+        Self {
+            direction,
+            target,
+            density,
+            discrete: false,
+            weight: 1.0,
+            coherence: Coherence::PLANE_WAVE,
+        }
+    }
 }
 
 /// The end of a shadow ray.
@@ -81,15 +101,42 @@ impl Emitter {
         }
     }
 
-    /// Its spectrum (radiance, intensity or irradiance) at a wavelength in nm.
+    /// The light that it sends along `k` from a point on it: radiance, or intensity or irradiance of emitters that
+    /// have no radiance.
+    ///
+    /// `from` means nothing for sources outside the scene.
     #[inline]
-    pub fn spectrum(&self, wavelength: f32) -> f32 {
+    pub fn emit<L: Light>(&self, _k: Vec3A, _from: Vec3A, wavelengths: &[f32]) -> Emission<L> {
+        let spectrum = match self {
+            Self::Area(e) => &e.radiance,
+            Self::Constant(e) => &e.radiance,
+            Self::Point(e) => &e.intensity,
+            Self::Spot(e) => &e.intensity,
+            Self::Directional(e) => &e.irradiance,
+        };
+        Emission::unpolarized(|lane| spectrum.value(wavelengths[lane]))
+    }
+
+    /// Its outline, if it is flat.
+    pub fn outline(&self, scene: &Scene) -> Option<Outline> {
         match self {
-            Self::Area(e) => e.radiance.value(wavelength),
-            Self::Constant(e) => e.radiance.value(wavelength),
-            Self::Point(e) => e.intensity.value(wavelength),
-            Self::Spot(e) => e.intensity.value(wavelength),
-            Self::Directional(e) => e.irradiance.value(wavelength),
+            Self::Area(area::Area {
+                body: Body::Shape(index),
+                ..
+            }) => scene.shapes[*index as usize].outline(),
+            _ => None,
+        }
+    }
+
+    /// It in patches of at most `largest` (half-width, radians) for a vertex at `from`; `None` if it is not cut.
+    #[inline]
+    pub fn cut<'a>(&self, scene: &'a Scene, from: Vec3A, largest: f32) -> Option<Cut<'a>> {
+        match self {
+            Self::Area(area::Area {
+                body: Body::Shape(index),
+                ..
+            }) => scene.shapes[*index as usize].cut(from, largest),
+            _ => None,
         }
     }
 }

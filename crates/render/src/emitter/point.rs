@@ -13,6 +13,7 @@
 use glam::{DVec3, Vec3A};
 
 use super::{Connection, Target};
+use crate::coherence::Coherence;
 use crate::scene::{Object, SceneError, within_reach};
 use crate::spectrum::{Spectrum, SpectrumUse};
 
@@ -39,6 +40,7 @@ pub(super) fn connect_to(position: Vec3A, from: Vec3A) -> Option<Connection> {
         density: 1.0,
         discrete: true,
         weight: squared.recip(),
+        coherence: Coherence::from_point(squared.sqrt()),
     })
 }
 

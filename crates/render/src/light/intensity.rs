@@ -1,8 +1,8 @@
 //! Scalar transport: the algebra of S0 alone.
 
-use glam::{Mat4, Vec3A, Vec4, vec4};
+use glam::{Mat4, Vec3, Vec3A, Vec4, vec4};
 
-use super::{Element, Light};
+use super::{Element, Emission, Light};
 
 /// Scalar transport: S0 alone.
 #[derive(Clone, Copy, Debug)]
@@ -14,12 +14,15 @@ impl<const N: usize> Light for Intensity<N> {
     type Response = [f32; N];
     type Throughput = [f32; N];
     type Lanes = [f32; N];
+    type States = ();
     type Stokes = [Vec4; N];
 
     #[inline]
     fn lanes(value: impl Fn(usize) -> f32) -> [f32; N] {
         std::array::from_fn(value)
     }
+    #[inline]
+    fn states(_: impl Fn(usize) -> Vec3) {}
     #[inline]
     fn dark() -> [Vec4; N] {
         [Vec4::ZERO; N]
@@ -61,19 +64,24 @@ impl<const N: usize> Light for Intensity<N> {
         std::array::from_fn(|lane| throughput[lane] * response[lane] * weight)
     }
     #[inline]
-    fn collect(throughput: &[f32; N], radiance: [f32; N]) -> [Vec4; N] {
-        std::array::from_fn(|lane| vec4(throughput[lane] * radiance[lane], 0., 0., 0.))
+    fn as_response(throughput: &[f32; N], _: Vec3A) -> [f32; N] {
+        *throughput
+    }
+    #[inline]
+    fn collect(throughput: &[f32; N], source: &Emission<Self>, _: Vec3A) -> [Vec4; N] {
+        std::array::from_fn(|lane| vec4(throughput[lane] * source.radiance[lane], 0., 0., 0.))
     }
     #[inline]
     fn collect_through(
         throughput: &[f32; N],
         response: [f32; N],
         _: Vec3A,
-        radiance: [f32; N],
+        source: &Emission<Self>,
+        _: Vec3A,
     ) -> [Vec4; N] {
         std::array::from_fn(|lane| {
             vec4(
-                throughput[lane] * response[lane] * radiance[lane],
+                throughput[lane] * response[lane] * source.radiance[lane],
                 0.,
                 0.,
                 0.,

@@ -17,7 +17,7 @@
 mod intensity;
 mod polarized;
 
-use glam::{Mat4, Vec3A, Vec4, vec4};
+use glam::{Mat4, Vec3, Vec3A, Vec4, vec4};
 use stokes::DiattenuatingRetarder;
 
 /// The Mueller matrix of an element that is diagonal in its own frame, in single precision.
@@ -92,8 +92,41 @@ impl From<DiattenuatingRetarder> for Element {
 pub use intensity::Intensity;
 pub use polarized::{MuellerResponse, MuellerThroughput, Polarized};
 
+/// What a source sends along one ray, at every wavelength of the path.
+#[derive(Clone, Copy, Debug)]
+pub struct Emission<L: Light> {
+    /// Radiance (or intensity, irradiance: see the emitter); S0.
+    pub radiance: L::Lanes,
+    /// First axis of its Stokes frame, across the ray, and S1, S2, S3 over S0; `None`: unpolarized.
+    pub state: Option<(Vec3A, L::States)>,
+}
+
+impl<L: Light> Emission<L> {
+    /// Light without polarization.
+    #[inline]
+    pub fn unpolarized(radiance: impl Fn(usize) -> f32) -> Self {
+        Self {
+            radiance: L::lanes(radiance),
+            state: None,
+        }
+    }
+
+    /// Light of a state (S1, S2, S3 over S0) in the frame of `axis`.
+    #[inline]
+    pub fn polarized(
+        radiance: impl Fn(usize) -> f32,
+        axis: Vec3A,
+        state: impl Fn(usize) -> Vec3,
+    ) -> Self {
+        Self {
+            radiance: L::lanes(radiance),
+            state: L::POLARIZED.then(|| (axis, L::states(state))),
+        }
+    }
+}
+
 /// How light is described along a path: the scalar or the Stokes-vector algebra.
-pub trait Light: Copy + Send + Sync + 'static {
+pub trait Light: Copy + std::fmt::Debug + Send + Sync + 'static {
     /// Wavelengths carried by one path.
     const LANES: usize;
     /// Whether S1, S2, S3 are followed.
@@ -103,12 +136,16 @@ pub trait Light: Copy + Send + Sync + 'static {
     /// The product of the responses from the sensor to here.
     type Throughput: Copy;
     /// One number a wavelength.
-    type Lanes: Copy + AsRef<[f32]>;
+    type Lanes: Copy + std::fmt::Debug + AsRef<[f32]>;
+    /// S1, S2, S3 over S0, one triple a wavelength.
+    type States: Copy + std::fmt::Debug;
     /// One Stokes vector a wavelength, in the frame of the sensor ray.
     type Stokes: Copy + AsRef<[Vec4]>;
 
     /// One number for each wavelength.
     fn lanes(value: impl Fn(usize) -> f32) -> Self::Lanes;
+    /// One state for each wavelength.
+    fn states(value: impl Fn(usize) -> Vec3) -> Self::States;
     /// No light at all.
     fn dark() -> Self::Stokes;
     /// A response that forgets polarization: only M00.
@@ -137,14 +174,17 @@ pub trait Light: Copy + Send + Sync + 'static {
         weight: f32,
         k_out: Vec3A,
     ) -> Self::Throughput;
-    /// Light from an unpolarized source at the end of the path, as the sensor sees it.
-    fn collect(throughput: &Self::Throughput, radiance: Self::Lanes) -> Self::Stokes;
+    /// A piece of path as one response: `throughput` began with `identity(axis)`.
+    fn as_response(throughput: &Self::Throughput, axis: Vec3A) -> Self::Response;
+    /// Light of a source at the end of the path, as the sensor sees it; `k` is its propagation direction there.
+    fn collect(throughput: &Self::Throughput, source: &Emission<Self>, k: Vec3A) -> Self::Stokes;
     /// The same with one more vertex between the path and the source.
     fn collect_through(
         throughput: &Self::Throughput,
         response: Self::Response,
         k_out: Vec3A,
-        radiance: Self::Lanes,
+        source: &Emission<Self>,
+        k_in: Vec3A,
     ) -> Self::Stokes;
     /// Adds `weight · more` to `sum`.
     fn accumulate(sum: &mut Self::Stokes, more: Self::Stokes, weight: f32);

@@ -1,8 +1,8 @@
 //! Vector transport: the algebra of Stokes vectors, and the one place where their frames are turned into each other.
 
-use glam::{Mat4, Vec3A, Vec4, vec4};
+use glam::{Mat4, Vec3, Vec3A, Vec4, vec4};
 
-use super::{Element, Light};
+use super::{Element, Emission, Light};
 
 /// Vector transport: S0, S1, S2, S3.
 #[derive(Clone, Copy, Debug)]
@@ -123,6 +123,23 @@ fn row_times_matrix(row: Vec4, m: &Mat4) -> Vec4 {
     )
 }
 
+/// `E · v`.
+#[inline]
+fn element_times(e: &Element, v: Vec4) -> Vec4 {
+    vec4(
+        e.mean * v.x + e.difference * v.y,
+        e.difference * v.x + e.mean * v.y,
+        e.cosine * v.z + e.sine * v.w,
+        e.cosine * v.w - e.sine * v.z,
+    )
+}
+
+/// The Stokes vector of light of a given state.
+#[inline]
+fn stokes(radiance: f32, state: Vec3) -> Vec4 {
+    vec4(1.0, state.x, state.y, state.z) * radiance
+}
+
 impl<const N: usize> MuellerResponse<N> {
     /// As general matrices in the frames of `axis_out`, `axis_in`.
     fn in_frames(&self, axis_out: Vec3A, axis_in: Vec3A, k_out: Vec3A, k_in: Vec3A) -> [Mat4; N] {
@@ -162,10 +179,15 @@ impl<const N: usize> Light for Polarized<N> {
     type Response = MuellerResponse<N>;
     type Throughput = MuellerThroughput<N>;
     type Lanes = [f32; N];
+    type States = [Vec3; N];
     type Stokes = [Vec4; N];
 
     #[inline]
     fn lanes(value: impl Fn(usize) -> f32) -> [f32; N] {
+        std::array::from_fn(value)
+    }
+    #[inline]
+    fn states(value: impl Fn(usize) -> Vec3) -> [Vec3; N] {
         std::array::from_fn(value)
     }
     #[inline]
@@ -384,14 +406,73 @@ impl<const N: usize> Light for Polarized<N> {
         }
     }
 
-    #[inline]
-    fn collect(throughput: &Self::Throughput, radiance: [f32; N]) -> [Vec4; N] {
+    fn as_response(throughput: &Self::Throughput, axis: Vec3A) -> Self::Response {
         match throughput {
-            MuellerThroughput::Full { matrices, .. } => {
-                std::array::from_fn(|i| matrices[i].x_axis * radiance[i])
+            MuellerThroughput::Full {
+                axis: inner,
+                matrices,
+            } => MuellerResponse::General {
+                axis_out: axis,
+                axis_in: *inner,
+                matrices: *matrices,
+            },
+            MuellerThroughput::RankOne {
+                axis: inner,
+                columns,
+                rows,
+            } => MuellerResponse::General {
+                axis_out: axis,
+                axis_in: *inner,
+                matrices: std::array::from_fn(|i| {
+                    Mat4::from_cols(
+                        columns[i] * rows[i].x,
+                        columns[i] * rows[i].y,
+                        columns[i] * rows[i].z,
+                        columns[i] * rows[i].w,
+                    )
+                }),
+            },
+            MuellerThroughput::Intensity { columns } => MuellerResponse::General {
+                axis_out: axis,
+                // no frame: only S0 gets through
+                axis_in: axis,
+                matrices: columns.map(|c| Mat4::from_cols(c, Vec4::ZERO, Vec4::ZERO, Vec4::ZERO)),
+            },
+        }
+    }
+
+    #[inline]
+    fn collect(throughput: &Self::Throughput, source: &Emission<Self>, k: Vec3A) -> [Vec4; N] {
+        let radiance = &source.radiance;
+        let Some((from, states)) = source.state else {
+            return match throughput {
+                MuellerThroughput::Full { matrices, .. } => {
+                    std::array::from_fn(|i| matrices[i].x_axis * radiance[i])
+                }
+                MuellerThroughput::RankOne { columns, rows, .. } => {
+                    std::array::from_fn(|i| columns[i] * (rows[i].x * radiance[i]))
+                }
+                MuellerThroughput::Intensity { columns } => {
+                    std::array::from_fn(|i| columns[i] * radiance[i])
+                }
+            };
+        };
+        match throughput {
+            MuellerThroughput::Full { axis, matrices } => {
+                let turn = double_angle(*axis, from, k);
+                std::array::from_fn(|i| {
+                    matrices[i] * turn_vector(stokes(radiance[i], states[i]), turn)
+                })
             }
-            MuellerThroughput::RankOne { columns, rows, .. } => {
-                std::array::from_fn(|i| columns[i] * (rows[i].x * radiance[i]))
+            MuellerThroughput::RankOne {
+                axis,
+                columns,
+                rows,
+            } => {
+                let turn = double_angle(*axis, from, k);
+                std::array::from_fn(|i| {
+                    columns[i] * rows[i].dot(turn_vector(stokes(radiance[i], states[i]), turn))
+                })
             }
             MuellerThroughput::Intensity { columns } => {
                 std::array::from_fn(|i| columns[i] * radiance[i])
@@ -404,26 +485,60 @@ impl<const N: usize> Light for Polarized<N> {
         throughput: &Self::Throughput,
         response: Self::Response,
         k_out: Vec3A,
-        radiance: [f32; N],
+        source: &Emission<Self>,
+        k_in: Vec3A,
     ) -> [Vec4; N] {
         use MuellerThroughput as T;
-        // the first column of the vertex: what it makes of unpolarized light
-        let (axis, light): (Vec3A, [Vec4; N]) = match response {
-            MuellerResponse::Depolarizing(m00) => {
-                return Self::collect(throughput, std::array::from_fn(|i| m00[i] * radiance[i]));
+        let radiance = &source.radiance;
+        // what the vertex makes of the light; of unpolarized light its first column
+        let (axis, light): (Vec3A, [Vec4; N]) = match (response, source.state) {
+            (MuellerResponse::Depolarizing(m00), _) => {
+                let dimmed = Emission::unpolarized(|i| m00[i] * radiance[i]);
+                return Self::collect(throughput, &dimmed, k_out);
             }
-            MuellerResponse::Diagonal { axis, elements } => (
+            (MuellerResponse::Diagonal { axis, elements }, None) => (
                 axis,
                 std::array::from_fn(|i| {
                     vec4(elements[i].mean, elements[i].difference, 0., 0.) * radiance[i]
                 }),
             ),
-            MuellerResponse::General {
-                axis_out, matrices, ..
-            } => (
+            (MuellerResponse::Diagonal { axis, elements }, Some((from, states))) => {
+                let turn = double_angle(axis, from, k_in);
+                (
+                    axis,
+                    std::array::from_fn(|i| {
+                        element_times(
+                            &elements[i],
+                            turn_vector(stokes(radiance[i], states[i]), turn),
+                        )
+                    }),
+                )
+            }
+            (
+                MuellerResponse::General {
+                    axis_out, matrices, ..
+                },
+                None,
+            ) => (
                 axis_out,
                 std::array::from_fn(|i| matrices[i].x_axis * radiance[i]),
             ),
+            (
+                MuellerResponse::General {
+                    axis_out,
+                    axis_in,
+                    matrices,
+                },
+                Some((from, states)),
+            ) => {
+                let turn = double_angle(axis_in, from, k_in);
+                (
+                    axis_out,
+                    std::array::from_fn(|i| {
+                        matrices[i] * turn_vector(stokes(radiance[i], states[i]), turn)
+                    }),
+                )
+            }
         };
         match throughput {
             T::Full {

@@ -15,7 +15,7 @@ use glam::{Mat4, Vec3A};
 use mueller16::element;
 
 use super::null::straight;
-use super::{Departure, Effect, Matter};
+use super::{Departure, Effect, Matter, Part, Traits, Vertex};
 use crate::coherence::Coherence;
 use crate::geometry::frame::Frame;
 use crate::light::Light;
@@ -48,18 +48,21 @@ impl Circular {
 
 impl Matter for Circular {
     #[inline]
-    fn sample(&self, o: Vec3A, _: &[f32], _: [f32; 3]) -> Option<Departure> {
+    fn sample(&self, at: &Vertex, _: &[f32], _: [f32; 3]) -> Option<Departure> {
+        let o = at.o;
         straight(o)
     }
 
     #[inline]
     fn respond<L: Light>(
         &self,
-        o: Vec3A,
+        at: &Vertex,
         _: Vec3A,
+        _: Part,
         wavelengths: &[f32],
         _: &Coherence,
     ) -> (L::Response, f32) {
+        let o = at.o;
         // the matrix does not depend on the frame
         let axis = Frame::around(o).s;
         (
@@ -72,6 +75,13 @@ impl Matter for Circular {
 
     fn is_discrete(&self) -> bool {
         true
+    }
+
+    fn traits(&self) -> Traits {
+        Traits {
+            straight: true,
+            ..Traits::default()
+        }
     }
 
     fn effect(&self) -> Effect {

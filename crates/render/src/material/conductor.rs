@@ -16,7 +16,7 @@
 use glam::Vec3A;
 use mueller16::ConductorInterface;
 
-use super::{Departure, Effect, Matter, axis_s, mirror, unknown_name};
+use super::{Departure, Effect, Matter, Part, Vertex, axis_s, mirror, unknown_name};
 use crate::coherence::Coherence;
 use crate::ior;
 use crate::light::{Element, Light};
@@ -92,11 +92,12 @@ impl Conductor {
 
 impl Matter for Conductor {
     #[inline]
-    fn sample(&self, o: Vec3A, _: &[f32], _: [f32; 3]) -> Option<Departure> {
+    fn sample(&self, at: &Vertex, _: &[f32], _: [f32; 3]) -> Option<Departure> {
+        let o = at.o;
         (o.z > 0.0).then(|| Departure {
             direction: mirror(o, Vec3A::Z),
             density: 1.0,
-            discrete: true,
+            part: Part::Discrete(0),
             eta: 1.0,
         })
     }
@@ -104,8 +105,9 @@ impl Matter for Conductor {
     #[inline]
     fn respond<L: Light>(
         &self,
-        _: Vec3A,
+        _: &Vertex,
         i: Vec3A,
+        _: Part,
         wavelengths: &[f32],
         _: &Coherence,
     ) -> (L::Response, f32) {
@@ -117,6 +119,10 @@ impl Matter for Conductor {
 
     fn is_discrete(&self) -> bool {
         true
+    }
+
+    fn bend(&self, at: &Vertex, _: Part, _: &[f32]) -> Option<Vec3A> {
+        (at.o.z > 0.0).then(|| mirror(at.o, Vec3A::Z))
     }
 
     fn effect(&self) -> Effect {

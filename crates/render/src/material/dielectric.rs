@@ -17,7 +17,7 @@
 use glam::Vec3A;
 use mueller16::DielectricInterface;
 
-use super::{Departure, Effect, Matter, axis_s, mirror, unknown_name};
+use super::{Departure, Effect, Matter, Part, Vertex, axis_s, mirror, unknown_name};
 use crate::coherence::Coherence;
 use crate::ior;
 use crate::light::{Element, Light};
@@ -84,9 +84,27 @@ impl Dielectric {
     }
 }
 
+impl Dielectric {
+    /// Where refracted light comes from, and the index there over that on the side of `o`.
+    #[inline]
+    fn refracted(&self, o: Vec3A) -> Option<(Vec3A, f32)> {
+        let cos_o = f64::from(o.z.abs());
+        let cos_i = self.side(o).transmission(cos_o)?.cos_t as f32;
+        let eta = if o.z > 0.0 {
+            self.eta
+        } else {
+            self.eta.recip()
+        };
+        // Snell's law across, the cosine along: normalised once more in single precision
+        let i = Vec3A::new(-o.x / eta, -o.y / eta, -cos_i.copysign(o.z)).normalize();
+        Some((i, eta))
+    }
+}
+
 impl Matter for Dielectric {
     #[inline]
-    fn sample(&self, o: Vec3A, _: &[f32], u: [f32; 3]) -> Option<Departure> {
+    fn sample(&self, at: &Vertex, _: &[f32], u: [f32; 3]) -> Option<Departure> {
+        let o = at.o;
         if o.z == 0.0 {
             return None;
         }
@@ -97,22 +115,15 @@ impl Matter for Dielectric {
             return Some(Departure {
                 direction: mirror(o, Vec3A::Z),
                 density: reflected,
-                discrete: true,
+                part: Part::Discrete(0),
                 eta: 1.0,
             });
         }
-        let cos_i = interface.transmission(cos_o)?.cos_t as f32;
-        let eta = if o.z > 0.0 {
-            self.eta
-        } else {
-            self.eta.recip()
-        };
-        // Snell's law across, the cosine along: normalised once more in single precision
-        let i = Vec3A::new(-o.x / eta, -o.y / eta, -cos_i.copysign(o.z)).normalize();
+        let (i, eta) = self.refracted(o)?;
         Some(Departure {
             direction: i,
             density: 1.0 - reflected,
-            discrete: true,
+            part: Part::Discrete(1),
             eta,
         })
     }
@@ -120,11 +131,13 @@ impl Matter for Dielectric {
     #[inline]
     fn respond<L: Light>(
         &self,
-        o: Vec3A,
+        at: &Vertex,
         i: Vec3A,
+        _: Part,
         wavelengths: &[f32],
         _: &Coherence,
     ) -> (L::Response, f32) {
+        let o = at.o;
         let axis = axis_s(Vec3A::Z, i);
         let interface = self.side(i);
         let cos_i = f64::from(i.z.abs());
@@ -152,6 +165,13 @@ impl Matter for Dielectric {
 
     fn is_discrete(&self) -> bool {
         true
+    }
+
+    fn bend(&self, at: &Vertex, part: Part, _: &[f32]) -> Option<Vec3A> {
+        match part {
+            Part::Discrete(0) => Some(mirror(at.o, Vec3A::Z)),
+            _ => self.refracted(at.o).map(|(i, _)| i),
+        }
     }
 
     fn effect(&self) -> Effect {

@@ -14,7 +14,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3A;
 
-use super::{Departure, Effect, Matter};
+use super::{Departure, Effect, Matter, Part, Vertex};
 use crate::coherence::Coherence;
 use crate::light::Light;
 use crate::sampler::cosine_hemisphere;
@@ -58,12 +58,13 @@ impl Diffuse {
 
 impl Matter for Diffuse {
     #[inline]
-    fn sample(&self, o: Vec3A, _: &[f32], u: [f32; 3]) -> Option<Departure> {
+    fn sample(&self, at: &Vertex, _: &[f32], u: [f32; 3]) -> Option<Departure> {
+        let o = at.o;
         let i = cosine_hemisphere([u[1], u[2]]);
         (o.z > 0.0 && i.z > 0.0).then_some(Departure {
             direction: i,
             density: i.z * FRAC_1_PI,
-            discrete: false,
+            part: Part::Continuous,
             eta: 1.0,
         })
     }
@@ -71,11 +72,13 @@ impl Matter for Diffuse {
     #[inline]
     fn respond<L: Light>(
         &self,
-        o: Vec3A,
+        at: &Vertex,
         i: Vec3A,
+        _: Part,
         wavelengths: &[f32],
         _: &Coherence,
     ) -> (L::Response, f32) {
+        let o = at.o;
         let density = if o.z > 0.0 && i.z > 0.0 {
             i.z * FRAC_1_PI
         } else {

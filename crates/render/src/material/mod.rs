@@ -22,6 +22,30 @@ use crate::geometry::frame::Frame;
 use crate::light::Light;
 use crate::scene::{Object, SceneError, nearest};
 
+/// A point on matter, as a camera path meets it.
+#[derive(Clone, Copy, Debug)]
+pub struct Vertex {
+    /// Toward the camera, local.
+    pub o: Vec3A,
+    /// Where it is, metres.
+    pub position: Vec3A,
+    /// Shading normal and axis U: what "local" means.
+    pub frame: Frame,
+    /// Length of the path to the vertex before, toward the camera, metres.
+    pub viewer_distance: f32,
+}
+
+/// Which part of what matter does a direction belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Directions with a density per steradian: emitters can be connected to.
+    Continuous,
+    /// Straight through, unbent: emitters can be connected to across it.
+    Straight,
+    /// One of a few directions (mirror, refraction, an order of a grating), by the matter's own number.
+    Discrete(u32),
+}
+
 /// A direction toward the light that has been drawn at a vertex, not yet evaluated.
 #[derive(Clone, Copy, Debug)]
 pub struct Departure {
@@ -29,10 +53,32 @@ pub struct Departure {
     pub direction: Vec3A,
     /// Density per steradian, or the probability if the direction is discrete.
     pub density: f32,
-    /// Whether the direction is one of a few (mirror, refraction, straight through).
-    pub discrete: bool,
+    /// What it belongs to.
+    pub part: Part,
     /// Index of refraction on the light's side over that on the camera's side.
     pub eta: f32,
+}
+
+/// What transport has to know of matter before it meets it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Traits {
+    /// Some light goes straight through: [`Part::Straight`].
+    pub straight: bool,
+    /// It answers to the coherence of light: [`Matter::lobe_width`] may be `Some`.
+    pub coherent: bool,
+    /// Its directions depend on the wavelength: paths carry one wavelength each.
+    pub disperses: bool,
+}
+
+impl Traits {
+    /// Whatever either does.
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            straight: self.straight || other.straight,
+            coherent: self.coherent || other.coherent,
+            disperses: self.disperses || other.disperses,
+        }
+    }
 }
 
 /// What matter can do to the state of polarization: for `inspect`, and for what a scene needs.
@@ -105,17 +151,20 @@ macro_rules! ask {
 
 /// What each kind of matter answers.
 pub trait Matter {
-    /// Draws a direction toward the light for light that leaves along `o`, from three uniform numbers.
-    fn sample(&self, o: Vec3A, wavelengths: &[f32], u: [f32; 3]) -> Option<Departure>;
-
-    /// The Mueller matrix from `−i` to `o`, with the density of [`Matter::sample`] (0 for discrete directions).
+    /// Draws a direction toward the light for light that leaves along `at.o`, from three uniform numbers.
     ///
-    /// For continuous directions BRDF × |cos i|, per steradian; for a discrete direction that `sample` has drawn the
-    /// plain matrix. Frames are local. `coherence` is that of the incident light.
+    /// If directions depend on the wavelength ([`Matter::disperses`]) `wavelengths` has one element.
+    fn sample(&self, at: &Vertex, wavelengths: &[f32], u: [f32; 3]) -> Option<Departure>;
+
+    /// The Mueller matrix from `−i` to `at.o`, with the density of [`Matter::sample`] (0 for discrete directions).
+    ///
+    /// For [`Part::Continuous`] BRDF × |cos i|, per steradian; for a discrete direction that `sample` has drawn, and for
+    /// `i = −at.o` with [`Part::Straight`], the plain matrix. Frames are local. `coherence` is that of the incident light.
     fn respond<L: Light>(
         &self,
-        o: Vec3A,
+        at: &Vertex,
         i: Vec3A,
+        part: Part,
         wavelengths: &[f32],
         coherence: &Coherence,
     ) -> (L::Response, f32);
@@ -125,6 +174,25 @@ pub trait Matter {
 
     /// What it can do to polarization.
     fn effect(&self) -> Effect;
+
+    /// Angular width (standard deviation, radians) of the narrowest continuous lobe with which it answers at a vertex.
+    ///
+    /// Emitters are cut into patches by it. `None`: it ignores coherence, and light may come as plane waves.
+    fn lobe_width(&self, _: &Vertex, _: &[f32]) -> Option<f32> {
+        None
+    }
+
+    /// The direction toward the light of a discrete part, for neighbouring rays of a path that took it.
+    ///
+    /// `None`: the coherence of light is not followed through it.
+    fn bend(&self, _: &Vertex, _: Part, _: &[f32]) -> Option<Vec3A> {
+        None
+    }
+
+    /// What it is, as far as transport treats it differently.
+    fn traits(&self) -> Traits {
+        Traits::default()
+    }
 }
 
 impl Material {
@@ -139,19 +207,20 @@ impl Material {
 
 impl Matter for Material {
     #[inline]
-    fn sample(&self, o: Vec3A, wavelengths: &[f32], u: [f32; 3]) -> Option<Departure> {
-        ask!(self, m => m.sample(o, wavelengths, u))
+    fn sample(&self, at: &Vertex, wavelengths: &[f32], u: [f32; 3]) -> Option<Departure> {
+        ask!(self, m => m.sample(at, wavelengths, u))
     }
 
     #[inline]
     fn respond<L: Light>(
         &self,
-        o: Vec3A,
+        at: &Vertex,
         i: Vec3A,
+        part: Part,
         wavelengths: &[f32],
         coherence: &Coherence,
     ) -> (L::Response, f32) {
-        ask!(self, m => m.respond::<L>(o, i, wavelengths, coherence))
+        ask!(self, m => m.respond::<L>(at, i, part, wavelengths, coherence))
     }
 
     #[inline]
@@ -161,6 +230,19 @@ impl Matter for Material {
 
     fn effect(&self) -> Effect {
         ask!(self, m => m.effect())
+    }
+
+    #[inline]
+    fn lobe_width(&self, at: &Vertex, wavelengths: &[f32]) -> Option<f32> {
+        ask!(self, m => m.lobe_width(at, wavelengths))
+    }
+
+    fn bend(&self, at: &Vertex, part: Part, wavelengths: &[f32]) -> Option<Vec3A> {
+        ask!(self, m => m.bend(at, part, wavelengths))
+    }
+
+    fn traits(&self) -> Traits {
+        ask!(self, m => m.traits())
     }
 }
 

@@ -8,7 +8,7 @@
 
 use glam::Vec3A;
 
-use super::{Departure, Effect, Matter};
+use super::{Departure, Effect, Matter, Part, Traits, Vertex};
 use crate::coherence::Coherence;
 use crate::geometry::frame::Frame;
 use crate::light::{Element, Light};
@@ -23,25 +23,28 @@ pub fn straight(o: Vec3A) -> Option<Departure> {
     Some(Departure {
         direction: -o,
         density: 1.0,
-        discrete: true,
+        part: Part::Straight,
         eta: 1.0,
     })
 }
 
 impl Matter for Null {
     #[inline]
-    fn sample(&self, o: Vec3A, _: &[f32], _: [f32; 3]) -> Option<Departure> {
+    fn sample(&self, at: &Vertex, _: &[f32], _: [f32; 3]) -> Option<Departure> {
+        let o = at.o;
         straight(o)
     }
 
     #[inline]
     fn respond<L: Light>(
         &self,
-        o: Vec3A,
+        at: &Vertex,
         _: Vec3A,
+        _: Part,
         _: &[f32],
         _: &Coherence,
     ) -> (L::Response, f32) {
+        let o = at.o;
         let nothing = Element {
             mean: 1.0,
             difference: 0.0,
@@ -56,6 +59,13 @@ impl Matter for Null {
 
     fn is_discrete(&self) -> bool {
         true
+    }
+
+    fn traits(&self) -> Traits {
+        Traits {
+            straight: true,
+            ..Traits::default()
+        }
     }
 
     fn effect(&self) -> Effect {

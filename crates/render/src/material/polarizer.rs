@@ -18,7 +18,7 @@ use glam::{DVec3, Vec3A};
 use mueller16::element;
 
 use super::null::straight;
-use super::{Departure, Effect, Matter};
+use super::{Departure, Effect, Matter, Part, Traits, Vertex};
 use crate::coherence::Coherence;
 use crate::geometry::frame::Frame;
 use crate::light::{Element, Light};
@@ -56,18 +56,21 @@ pub(super) fn axis_for(k: Vec3A, axis: impl Fn([f64; 3]) -> [f64; 3]) -> Vec3A {
 
 impl Matter for Polarizer {
     #[inline]
-    fn sample(&self, o: Vec3A, _: &[f32], _: [f32; 3]) -> Option<Departure> {
+    fn sample(&self, at: &Vertex, _: &[f32], _: [f32; 3]) -> Option<Departure> {
+        let o = at.o;
         straight(o)
     }
 
     #[inline]
     fn respond<L: Light>(
         &self,
-        o: Vec3A,
+        at: &Vertex,
         _: Vec3A,
+        _: Part,
         wavelengths: &[f32],
         _: &Coherence,
     ) -> (L::Response, f32) {
+        let o = at.o;
         let transmittance = |lane: usize| self.transmittance.value(wavelengths[lane]);
         let (axis, ideal) = if self.polarizing {
             let axis = axis_for(o, |k| element::polarizer_transmitted_axis(self.theta, k));
@@ -91,6 +94,13 @@ impl Matter for Polarizer {
 
     fn is_discrete(&self) -> bool {
         true
+    }
+
+    fn traits(&self) -> Traits {
+        Traits {
+            straight: true,
+            ..Traits::default()
+        }
     }
 
     fn effect(&self) -> Effect {

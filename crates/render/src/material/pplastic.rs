@@ -27,7 +27,7 @@ use mueller16::DielectricInterface;
 
 use super::dielectric::read_index;
 use super::microfacet::Microfacets;
-use super::{Departure, Effect, Matter, axis_s, mirror};
+use super::{Departure, Effect, Matter, Part, Vertex, axis_s, mirror};
 use crate::coherence::Coherence;
 use crate::light::{Element, Light};
 use crate::sampler::cosine_hemisphere;
@@ -86,7 +86,8 @@ impl Pplastic {
 
 impl Matter for Pplastic {
     #[inline]
-    fn sample(&self, o: Vec3A, wavelengths: &[f32], u: [f32; 3]) -> Option<Departure> {
+    fn sample(&self, at: &Vertex, wavelengths: &[f32], u: [f32; 3]) -> Option<Departure> {
+        let o = at.o;
         if o.z <= 0.0 {
             return None;
         }
@@ -102,7 +103,7 @@ impl Matter for Pplastic {
         (density > 0.0 && density.is_finite()).then_some(Departure {
             direction: i,
             density,
-            discrete: false,
+            part: Part::Continuous,
             eta: 1.0,
         })
     }
@@ -110,11 +111,13 @@ impl Matter for Pplastic {
     #[inline]
     fn respond<L: Light>(
         &self,
-        o: Vec3A,
+        at: &Vertex,
         i: Vec3A,
+        _: Part,
         wavelengths: &[f32],
         _: &Coherence,
     ) -> (L::Response, f32) {
+        let o = at.o;
         if o.z <= 0.0 || i.z <= 0.0 {
             return (L::depolarizing(|_| 0.0), 0.0);
         }

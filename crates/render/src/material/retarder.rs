@@ -19,7 +19,7 @@ use mueller16::element;
 
 use super::null::straight;
 use super::polarizer::axis_for;
-use super::{Departure, Effect, Matter};
+use super::{Departure, Effect, Matter, Part, Traits, Vertex};
 use crate::coherence::Coherence;
 use crate::light::{Element, Light};
 use crate::scene::{Object, SceneError};
@@ -50,18 +50,21 @@ impl Retarder {
 
 impl Matter for Retarder {
     #[inline]
-    fn sample(&self, o: Vec3A, _: &[f32], _: [f32; 3]) -> Option<Departure> {
+    fn sample(&self, at: &Vertex, _: &[f32], _: [f32; 3]) -> Option<Departure> {
+        let o = at.o;
         straight(o)
     }
 
     #[inline]
     fn respond<L: Light>(
         &self,
-        o: Vec3A,
+        at: &Vertex,
         _: Vec3A,
+        _: Part,
         wavelengths: &[f32],
         _: &Coherence,
     ) -> (L::Response, f32) {
+        let o = at.o;
         let axis = axis_for(o, |k| element::retarder_fast_axis(self.theta, k));
         let response = L::diattenuating_retarder(axis, |lane| {
             let delta = f64::from(self.delta.value(wavelengths[lane])).to_radians();
@@ -74,6 +77,13 @@ impl Matter for Retarder {
 
     fn is_discrete(&self) -> bool {
         true
+    }
+
+    fn traits(&self) -> Traits {
+        Traits {
+            straight: true,
+            ..Traits::default()
+        }
     }
 
     fn effect(&self) -> Effect {

@@ -24,7 +24,7 @@ use glam::Vec3A;
 
 use super::conductor::Metal;
 use super::microfacet::Microfacets;
-use super::{Departure, Effect, Matter, axis_s, mirror};
+use super::{Departure, Effect, Matter, Part, Vertex, axis_s, mirror};
 use crate::coherence::Coherence;
 use crate::light::Light;
 use crate::scene::{Object, SceneError};
@@ -48,7 +48,8 @@ impl RoughConductor {
 
 impl Matter for RoughConductor {
     #[inline]
-    fn sample(&self, o: Vec3A, _: &[f32], u: [f32; 3]) -> Option<Departure> {
+    fn sample(&self, at: &Vertex, _: &[f32], u: [f32; 3]) -> Option<Departure> {
+        let o = at.o;
         if o.z <= 0.0 {
             return None;
         }
@@ -58,7 +59,7 @@ impl Matter for RoughConductor {
         (i.z > 0.0 && density > 0.0 && density.is_finite()).then_some(Departure {
             direction: i,
             density,
-            discrete: false,
+            part: Part::Continuous,
             eta: 1.0,
         })
     }
@@ -66,11 +67,13 @@ impl Matter for RoughConductor {
     #[inline]
     fn respond<L: Light>(
         &self,
-        o: Vec3A,
+        at: &Vertex,
         i: Vec3A,
+        _: Part,
         wavelengths: &[f32],
         _: &Coherence,
     ) -> (L::Response, f32) {
+        let o = at.o;
         if o.z <= 0.0 || i.z <= 0.0 {
             return (L::depolarizing(|_| 0.0), 0.0);
         }

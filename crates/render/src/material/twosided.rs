@@ -12,7 +12,7 @@
 
 use glam::Vec3A;
 
-use super::{Departure, Effect, Material, Matter};
+use super::{Departure, Effect, Material, Matter, Part, Traits, Vertex};
 use crate::coherence::Coherence;
 use crate::light::Light;
 
@@ -44,33 +44,52 @@ impl TwoSided {
     }
 }
 
+impl TwoSided {
+    /// The matter that a viewer sees, and the vertex as that matter describes it.
+    #[inline]
+    fn seen<'a>(&'a self, at: &Vertex) -> (&'a Material, Vertex, bool) {
+        if at.o.z > 0.0 {
+            return (&self.front, *at, false);
+        }
+        let vertex = Vertex {
+            o: turned(at.o),
+            frame: at.frame.flipped(),
+            ..*at
+        };
+        (&self.back, vertex, true)
+    }
+}
+
 impl Matter for TwoSided {
     #[inline]
-    fn sample(&self, o: Vec3A, wavelengths: &[f32], u: [f32; 3]) -> Option<Departure> {
-        if o.z > 0.0 {
-            return self.front.sample(o, wavelengths, u);
-        }
-        let departure = self.back.sample(turned(o), wavelengths, u)?;
-        Some(Departure {
-            direction: turned(departure.direction),
-            ..departure
+    fn sample(&self, at: &Vertex, wavelengths: &[f32], u: [f32; 3]) -> Option<Departure> {
+        let (material, vertex, back) = self.seen(at);
+        let departure = material.sample(&vertex, wavelengths, u)?;
+        Some(if back {
+            Departure {
+                direction: turned(departure.direction),
+                ..departure
+            }
+        } else {
+            departure
         })
     }
 
     #[inline]
     fn respond<L: Light>(
         &self,
-        o: Vec3A,
+        at: &Vertex,
         i: Vec3A,
+        part: Part,
         wavelengths: &[f32],
         coherence: &Coherence,
     ) -> (L::Response, f32) {
-        if o.z > 0.0 {
-            return self.front.respond::<L>(o, i, wavelengths, coherence);
+        let (material, vertex, back) = self.seen(at);
+        if !back {
+            return material.respond::<L>(&vertex, i, part, wavelengths, coherence);
         }
         let (response, density) =
-            self.back
-                .respond::<L>(turned(o), turned(i), wavelengths, coherence);
+            material.respond::<L>(&vertex, turned(i), part, wavelengths, coherence);
         (L::map_axes(response, turned), density)
     }
 
@@ -81,5 +100,21 @@ impl Matter for TwoSided {
     fn effect(&self) -> Effect {
         let [front, back] = self.sides().map(Matter::effect);
         front.and(back)
+    }
+
+    fn lobe_width(&self, at: &Vertex, wavelengths: &[f32]) -> Option<f32> {
+        let (material, vertex, _) = self.seen(at);
+        material.lobe_width(&vertex, wavelengths)
+    }
+
+    fn bend(&self, at: &Vertex, part: Part, wavelengths: &[f32]) -> Option<Vec3A> {
+        let (material, vertex, back) = self.seen(at);
+        let direction = material.bend(&vertex, part, wavelengths)?;
+        Some(if back { turned(direction) } else { direction })
+    }
+
+    fn traits(&self) -> Traits {
+        let [front, back] = self.sides().map(Matter::traits);
+        front.or(back)
     }
 }

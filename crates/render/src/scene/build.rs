@@ -76,11 +76,7 @@ pub fn build(document: &Document, overrides: Overrides) -> Result<BuiltScene, Sc
     let root = &document.root;
     let paths = match root.child(Tag::Integrator)? {
         Some(integrator) => read_integrator(&integrator)?,
-        None => PathOptions {
-            max_depth: u32::MAX,
-            rr_depth: 5,
-            hide_emitters: false,
-        },
+        None => PathOptions::default(),
     };
     let sensors = root.children(Tag::Sensor);
     let sensor = sensors.first().ok_or_else(|| {

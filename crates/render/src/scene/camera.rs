@@ -50,12 +50,26 @@ pub(super) fn read_integrator(object: &Object) -> Result<PathOptions, SceneError
                 max_depth: u32::try_from(depth).unwrap_or(u32::MAX),
                 rr_depth: bounded(object, "rr_depth", 5, 1, i64::from(u32::MAX))? as u32,
                 hide_emitters: object.boolean("hide_emitters", false)?,
+                patch: read_patch(object)?,
             };
             object.without_effect(&["block_size", "samples_per_pass", "timeout"]);
             object.finish()?;
             Ok(options)
         }
         _ => Err(plugins::refuse(object)),
+    }
+}
+
+/// Half-width of emitter patches over the lobe that sees them.
+fn read_patch(object: &Object) -> Result<f32, SceneError> {
+    let patch = object.float("patch", f64::from(PathOptions::default().patch))?;
+    if (0.0..=1e3).contains(&patch) {
+        Ok(patch as f32)
+    } else {
+        Err(object.error_at(
+            "patch",
+            format!("a patch size of {patch} lobe widths, expected a number from 0 (plane waves) to 1000"),
+        ))
     }
 }
 

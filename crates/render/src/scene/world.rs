@@ -2,13 +2,12 @@
 
 use glam::Vec3A;
 
-use crate::coherence::Coherence;
-use crate::emitter::{Connection, Emitter};
+use crate::emitter::{Emitter, Target};
 use crate::geometry::bvh::{Bvh, Primitive, Stack};
 use crate::geometry::flat::Flat;
 use crate::geometry::frame::Frame;
 use crate::geometry::ray::{Hit, Ray, offset_origin};
-use crate::material::Material;
+use crate::material::{Material, Matter, Traits};
 use crate::shape::mesh::PlacedMesh;
 use crate::shape::{Shape, Surface};
 
@@ -52,6 +51,9 @@ pub struct Scene {
     /// First triangle of each mesh.
     first_triangle: Vec<u32>,
     bvh: Bvh,
+    /// Of all matter together, and of each material.
+    traits: Traits,
+    material_traits: Vec<Traits>,
 }
 
 /// A surface that a ray has met.
@@ -64,7 +66,7 @@ pub struct Encounter {
 }
 
 impl Scene {
-    /// Builds the search tree over all shapes and meshes.
+    /// Builds the search tree over all shapes and meshes, and notes what the matter needs.
     pub fn index(&mut self) {
         let mut primitives = Vec::new();
         self.mesh_of.clear();
@@ -81,6 +83,22 @@ impl Scene {
         }
         primitives.extend(self.shapes.iter().map(Shape::primitive));
         self.bvh = Bvh::build(&primitives);
+        self.material_traits = self.materials.iter().map(Matter::traits).collect();
+        self.traits = self
+            .material_traits
+            .iter()
+            .fold(Traits::default(), |all, &one| all.or(one));
+    }
+
+    /// What transport has to know of the matter in the scene.
+    pub fn traits(&self) -> Traits {
+        self.traits
+    }
+
+    /// What transport has to know of one material.
+    #[inline]
+    pub fn traits_of(&self, material: u32) -> Traits {
+        self.material_traits[material as usize]
     }
 
     /// Number of triangles, and of nodes and leaf blocks of the search tree.
@@ -122,82 +140,59 @@ impl Scene {
         })
     }
 
-    /// Whether nothing stands between a surface point and a light source.
+    /// The ray from a surface point toward a light source: `direction` is its unit direction, `target` its end if it
+    /// has one. Lengths along it count in lengths of the whole way.
     #[inline]
-    pub fn is_visible(&self, from: &Surface, connection: &Connection, stack: &mut Stack) -> bool {
-        let origin = offset_origin(from.position, from.error, from.normal, connection.direction);
-        let ray = match connection.target {
-            None => Ray {
+    pub fn shadow_ray(from: &Surface, direction: Vec3A, target: Option<&Target>) -> Ray {
+        let origin = offset_origin(from.position, from.error, from.normal, direction);
+        let Some(target) = target else {
+            return Ray {
                 origin,
-                direction: connection.direction,
+                direction,
                 t_max: f32::INFINITY,
-            },
-            Some(target) => {
-                let end = if target.normal == Vec3A::ZERO {
-                    target.position
-                } else {
-                    offset_origin(
-                        target.position,
-                        target.error,
-                        target.normal,
-                        -connection.direction,
-                    )
-                };
-                // t counts in lengths of the whole way; the source itself lies beyond t = 1
-                Ray {
-                    origin,
-                    direction: end - origin,
-                    t_max: 1.0 - 1e-6,
-                }
-            }
+            };
         };
-        self.trace::<true>(&ray, stack).is_none()
+        let end = if target.normal == Vec3A::ZERO {
+            target.position
+        } else {
+            offset_origin(target.position, target.error, target.normal, -direction)
+        };
+        // the source itself lies beyond t = 1
+        Ray {
+            origin,
+            direction: end - origin,
+            t_max: 1.0 - 1e-6,
+        }
     }
 
-    /// Draws a light source and a way to it; the density includes the choice of the source.
+    /// Whether nothing stands in a ray's way.
     #[inline]
-    pub fn connect(
-        &self,
-        from: Vec3A,
-        frame: &Frame,
-        choice: f32,
-        u: [f32; 2],
-    ) -> Option<(&Emitter, Connection)> {
+    pub fn is_free(&self, ray: &Ray, stack: &mut Stack) -> bool {
+        self.trace::<true>(ray, stack).is_none()
+    }
+
+    /// Draws a light source, and says with which probability.
+    #[inline]
+    pub fn choose_emitter(&self, choice: f32) -> Option<(&Emitter, f32)> {
         let count = self.emitters.len();
         let emitter = self
             .emitters
             .get(((choice * count as f32) as usize).min(count.checked_sub(1)?))?;
-        let connection = emitter.connect(self, from, frame, u)?;
-        let share = (count as f32).recip();
-        Some((
-            emitter,
-            Connection {
-                density: connection.density * share,
-                ..connection
-            },
-        ))
+        Some((emitter, (count as f32).recip()))
     }
 
-    /// Density of [`Scene::connect`] for the point that a ray from `from` has hit.
+    /// Density of connections to the point that a ray from `from` has hit.
     #[inline]
     pub fn density_of_hit(&self, emitter: u32, from: Vec3A, at: &Surface) -> f32 {
         self.emitters[emitter as usize].density_of_hit(self, from, at) / self.emitters.len() as f32
     }
 
-    /// Density of [`Scene::connect`] for a direction in which a ray has left the scene.
+    /// Density of connections for a direction in which a ray has left the scene.
     #[inline]
     pub fn density_of_miss(&self, frame: &Frame, direction: Vec3A) -> f32 {
         match self.environment.map(|e| &self.emitters[e as usize]) {
             Some(Emitter::Constant(e)) => e.density(frame, direction) / self.emitters.len() as f32,
             _ => 0.0,
         }
-    }
-
-    /// The coherence of the light that reaches a vertex from a surface, or from outside the scene (`None`).
-    ///
-    /// Plane waves for now: a path vertex has no footprint, and emitters are not cut into patches.
-    #[inline]
-    pub fn coherence(&self, _from: Option<&Encounter>) -> Coherence {
-        Coherence::PLANE_WAVE
     }
 }

@@ -3,6 +3,7 @@
 use glam::{DMat4, Vec3A};
 
 use super::{Columns, Surface};
+use crate::emitter::patch::Outline;
 use crate::geometry::bvh::Bounds;
 use crate::geometry::frame::Frame;
 use crate::geometry::ray::{Ray, gamma};
@@ -71,6 +72,17 @@ impl Disk {
             error: self.error,
             normal: self.normal,
             frame: Frame::with_tangent(self.normal, radial),
+        }
+    }
+
+    pub(super) fn outline(&self) -> Outline {
+        Outline {
+            centre: self.centre,
+            half_u: self.radius_u,
+            half_v: self.radius_v,
+            normal: self.normal,
+            round: true,
+            error: self.error,
         }
     }
 

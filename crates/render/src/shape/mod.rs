@@ -9,6 +9,7 @@ pub mod sphere;
 
 use glam::{DMat4, DVec3, Vec3A};
 
+use crate::emitter::patch::{Cut, Outline};
 use crate::geometry::bvh::{Bounds, Primitive};
 use crate::geometry::frame::Frame;
 use crate::geometry::ray::Ray;
@@ -96,6 +97,25 @@ impl Shape {
             Self::Disk(s) => s.surface(hit.1, hit.2),
             Self::Cylinder(s) => s.surface(ray, hit.0),
             Self::Cube(s) => s.surface(ray, hit),
+        }
+    }
+
+    /// Its outline, if it is flat.
+    pub fn outline(&self) -> Option<Outline> {
+        match self {
+            Self::Rectangle(s) => Some(s.outline()),
+            Self::Disk(s) => Some(s.outline()),
+            _ => None,
+        }
+    }
+
+    /// It as a light source in patches of at most `largest` (half-width, radians) for a vertex at `from`.
+    ///
+    /// `None` for shapes that are not cut: tubes, cubes, and what is seen from behind or from inside.
+    pub fn cut(&self, from: Vec3A, largest: f32) -> Option<Cut<'_>> {
+        match self {
+            Self::Sphere(s) => Cut::sphere(s, from, largest),
+            _ => Cut::flat(self.outline()?, from, largest),
         }
     }
 

@@ -3,6 +3,7 @@
 use glam::{DMat4, Vec3A};
 
 use super::{Columns, Surface};
+use crate::emitter::patch::Outline;
 use crate::geometry::bvh::Bounds;
 use crate::geometry::flat::Flat;
 use crate::geometry::frame::Frame;
@@ -69,6 +70,17 @@ impl Rectangle {
             error: self.error,
             normal: self.frame.n,
             frame: self.frame,
+        }
+    }
+
+    pub(super) fn outline(&self) -> Outline {
+        Outline {
+            centre: self.centre,
+            half_u: self.half_u,
+            half_v: self.half_v,
+            normal: self.frame.n,
+            round: false,
+            error: self.error,
         }
     }
 

@@ -9,6 +9,7 @@ use std::f32::consts::{PI, TAU};
 use glam::{DMat4, DVec3, Vec3A};
 
 use super::{AreaSample, Columns, Surface, by_area, solid_angle_density};
+use crate::emitter::Target;
 use crate::geometry::bvh::Bounds;
 use crate::geometry::frame::Frame;
 use crate::geometry::ray::{Ray, gamma};
@@ -96,6 +97,34 @@ impl Sphere {
         let distance2 = (self.centre - reference).length_squared();
         let sin2 = self.radius * self.radius / distance2;
         (sin2 < 1.0 - 1e-4).then_some(sin2)
+    }
+
+    /// The cone under which the front is seen from outside: its axis, 1 − cos of its half angle, distance of the centre.
+    pub(crate) fn cone(&self, from: Vec3A) -> Option<(Frame, f32, f32)> {
+        let sin2 = self.half_angle_sin2(from).filter(|_| self.side > 0.0)?;
+        let to = self.centre - from;
+        let distance = to.length();
+        Some((
+            Frame::around(to / distance),
+            Self::one_minus_cos(sin2),
+            distance,
+        ))
+    }
+
+    /// The first point along a direction, or the nearest to it if rounding misses the rim.
+    pub(crate) fn nearest_along(&self, from: Vec3A, direction: Vec3A) -> Target {
+        let to_centre = self.centre_f64 - from.as_dvec3();
+        let d = direction.as_dvec3();
+        let along = to_centre.dot(d);
+        let across = d * along - to_centre;
+        let radius = f64::from(self.radius);
+        let depth = (radius * radius - across.length_squared()).max(0.0).sqrt();
+        let outward = (across - d * depth).normalize().as_vec3a();
+        Target {
+            position: self.centre + outward * self.radius,
+            error: self.error,
+            normal: outward * self.side,
+        }
     }
 
     /// 1 − cos of the half angle, without cancellation.

@@ -1,0 +1,298 @@
+//! Light that a vertex finds by looking for it: connections to points and to patches of emitters.
+
+use glam::Vec3A;
+
+use super::{PathOptions, Walk, power_heuristic};
+use crate::coherence::Coherence;
+use crate::emitter::patch::Cut;
+use crate::emitter::{Emitter, Target};
+use crate::geometry::frame::Frame;
+use crate::geometry::ray::offset_origin;
+use crate::light::{Emission, Light};
+use crate::material::{Material, Matter, Part, Vertex};
+use crate::scene::Scene;
+use crate::shape::Surface;
+
+/// As many patches as this are summed at one vertex; of more one is drawn.
+pub(super) const MOST_SUMMED: u32 = 32;
+
+/// Largest half-width of a patch, radians: cosines, distances and Fresnel coefficients are taken at its centre, which
+/// errs by the square of it.
+const WIDEST_PATCH: f32 = 0.05;
+
+/// The half-width of patches for matter with a lobe of the given width.
+#[inline]
+pub(super) fn largest_patch(options: &PathOptions, lobe: f32) -> f32 {
+    (options.patch * lobe).min(WIDEST_PATCH)
+}
+
+/// A vertex that looks for light.
+pub(super) struct Place<'a> {
+    pub(super) material: &'a Material,
+    pub(super) surface: &'a Surface,
+    pub(super) vertex: &'a Vertex,
+    /// The frame with its normal on the camera's side.
+    pub(super) lit_frame: &'a Frame,
+    /// Width of the lobe if the matter answers to coherence.
+    pub(super) lobe: Option<f32>,
+    /// How much matter may let the light straight through on its way.
+    pub(super) room: u32,
+}
+
+/// Light on its way from a source to a vertex.
+struct Arrival<'a, L: Light> {
+    response: L::Response,
+    emission: Emission<L>,
+    /// Toward the centre of what is averaged: the light comes along `−direction`.
+    direction: Vec3A,
+    weight: f32,
+    patch: Option<(Cut<'a>, u32)>,
+}
+
+impl<'a, L: Light> Walk<'a, L> {
+    /// Adds the light of one emitter, chosen with probability `chosen`.
+    #[inline]
+    pub(super) fn connect(
+        &mut self,
+        throughput: &L::Throughput,
+        place: &Place<'_>,
+        emitter: &Emitter,
+        chosen: f32,
+        u: [f32; 3],
+    ) {
+        let position = place.surface.position;
+        if let Some(lobe) = place.lobe
+            && let Some(cut) = emitter.cut(self.scene, position, largest_patch(self.options, lobe))
+        {
+            let arrival = if cut.len() <= MOST_SUMMED {
+                self.all_patches(throughput, place, emitter, cut, u[2])
+            } else {
+                self.one_patch(place, emitter, cut, chosen, u[2])
+            };
+            if let Some(mut arrival) = arrival
+                && let Some((cut, index)) = arrival.patch
+                && let Some((direction, target)) = cut.point(index, [u[0], u[1]])
+            {
+                arrival.weight /= chosen;
+                self.add(throughput, place, &arrival, direction, target);
+            }
+            return;
+        }
+        let Some(connection) = emitter.connect(self.scene, position, place.lit_frame, [u[0], u[1]])
+        else {
+            return;
+        };
+        let (response, own) = self.respond(place, connection.direction, &connection.coherence);
+        // a density of zero: matter sends nothing that way
+        if own <= 0.0 {
+            return;
+        }
+        let density = connection.density * chosen;
+        let share = if connection.discrete {
+            1.0
+        } else {
+            power_heuristic(density, own)
+        };
+        let source = connection.target.map_or(Vec3A::ZERO, |t| t.position);
+        let arrival = Arrival {
+            response,
+            emission: emitter.emit(-connection.direction, source, self.wavelengths),
+            direction: connection.direction,
+            weight: share * connection.weight / density,
+            patch: None,
+        };
+        self.add(
+            throughput,
+            place,
+            &arrival,
+            connection.direction,
+            connection.target,
+        );
+    }
+
+    /// The response of a vertex to light from a world direction, its axes in the world, and the density of the direction.
+    #[inline]
+    fn respond(
+        &self,
+        place: &Place<'_>,
+        direction: Vec3A,
+        coherence: &Coherence,
+    ) -> (L::Response, f32) {
+        let frame = place.vertex.frame;
+        let (response, density) = place.material.respond::<L>(
+            place.vertex,
+            frame.to_local(direction),
+            Part::Continuous,
+            self.wavelengths,
+            coherence,
+        );
+        (L::map_axes(response, |v| frame.to_world(v)), density)
+    }
+
+    /// One patch, drawn evenly, against rays that hit it.
+    fn one_patch<'b>(
+        &self,
+        place: &Place<'_>,
+        emitter: &Emitter,
+        cut: Cut<'b>,
+        chosen: f32,
+        u: f32,
+    ) -> Option<Arrival<'b, L>> {
+        let count = cut.len();
+        let index = ((u * count as f32) as u32).min(count - 1);
+        let patch = cut.patch(index);
+        let (response, own) = self.respond(place, patch.direction, &patch.coherence());
+        if own <= 0.0 {
+            return None;
+        }
+        let density = (patch.solid_angle * count as f32).recip();
+        Some(Arrival {
+            response,
+            emission: emitter.emit(-patch.direction, patch.centre, self.wavelengths),
+            direction: patch.direction,
+            weight: power_heuristic(density * chosen, own) / density,
+            patch: Some((cut, index)),
+        })
+    }
+
+    /// All patches: one stands for the sum, drawn in proportion to its light, so that only visibility is left to chance.
+    fn all_patches<'b>(
+        &self,
+        throughput: &L::Throughput,
+        place: &Place<'_>,
+        emitter: &Emitter,
+        cut: Cut<'b>,
+        mut u: f32,
+    ) -> Option<Arrival<'b, L>> {
+        let o = place.vertex.frame.to_world(place.vertex.o);
+        let mut standing = None;
+        let (mut sum, mut standing_power) = (0.0, 0.0);
+        for index in 0..cut.len() {
+            let patch = cut.patch(index);
+            let (response, own) = self.respond(place, patch.direction, &patch.coherence());
+            if own <= 0.0 {
+                continue;
+            }
+            let emission = emitter.emit(-patch.direction, patch.centre, self.wavelengths);
+            let light = L::collect_through(throughput, response, o, &emission, -patch.direction);
+            let power = light
+                .as_ref()
+                .iter()
+                .fold(0.0, |most: f32, s| most.max(s.x))
+                * patch.solid_angle;
+            if power <= 0.0 {
+                continue;
+            }
+            sum += power;
+            // weighted reservoir of one; what is left of `u` is uniform again
+            let share = power / sum;
+            if u < share {
+                u /= share;
+                standing_power = power;
+                standing = Some(Arrival {
+                    response,
+                    emission,
+                    direction: patch.direction,
+                    weight: patch.solid_angle,
+                    patch: Some((cut, index)),
+                });
+            } else {
+                u = (u - share) / (1.0 - share);
+            }
+        }
+        standing.map(|arrival| Arrival {
+            weight: arrival.weight * sum / standing_power,
+            ..arrival
+        })
+    }
+
+    /// Adds the light if nothing stands between the vertex and a point of the source.
+    fn add(
+        &mut self,
+        throughput: &L::Throughput,
+        place: &Place<'_>,
+        arrival: &Arrival<'_, L>,
+        direction: Vec3A,
+        target: Option<Target>,
+    ) {
+        let o = place.vertex.frame.to_world(place.vertex.o);
+        let k = -arrival.direction;
+        if !self.scene.traits().straight {
+            self.counters.rays += 1;
+            let ray = Scene::shadow_ray(place.surface, direction, target.as_ref());
+            if self.scene.is_free(&ray, self.stack) {
+                let light =
+                    L::collect_through(throughput, arrival.response, o, &arrival.emission, k);
+                L::accumulate(&mut self.seen, light, arrival.weight);
+            }
+            return;
+        }
+        if let Some(passage) = self.straight_passage(place, direction, target.as_ref()) {
+            let light = match passage {
+                None => L::collect_through(throughput, arrival.response, o, &arrival.emission, k),
+                Some(passage) => {
+                    let before = L::extend(throughput, arrival.response, 1.0, o);
+                    L::collect_through(&before, passage, k, &arrival.emission, k)
+                }
+            };
+            L::accumulate(&mut self.seen, light, arrival.weight);
+        }
+    }
+
+    /// What flat matter on the way does to the light: `None` if something opaque stands there, `Some(None)` if nothing.
+    fn straight_passage(
+        &mut self,
+        place: &Place<'_>,
+        direction: Vec3A,
+        target: Option<&Target>,
+    ) -> Option<Option<L::Response>> {
+        let axis = Frame::around(direction).s;
+        let mut through: Option<L::Throughput> = None;
+        let mut from = *place.surface;
+        for _ in 0..=place.room {
+            self.counters.rays += 1;
+            let ray = Scene::shadow_ray(&from, direction, target);
+            let Some(met) = self.scene.intersect(&ray, self.stack) else {
+                return Some(through.map(|t| L::as_response(&t, axis)));
+            };
+            if !self.scene.traits_of(met.owner.material).straight {
+                return None;
+            }
+            let frame = met.surface.frame;
+            let i = frame.to_local(direction);
+            let vertex = Vertex {
+                o: -i,
+                position: met.surface.position,
+                frame,
+                viewer_distance: (met.surface.position - from.position).length(),
+            };
+            let material = &self.scene.materials[met.owner.material as usize];
+            let (response, _) = material.respond::<L>(
+                &vertex,
+                i,
+                Part::Straight,
+                self.wavelengths,
+                &Coherence::PLANE_WAVE,
+            );
+            let response = L::map_axes(response, |v| frame.to_world(v));
+            let before = through.unwrap_or_else(|| L::identity(axis));
+            let after = L::extend(&before, response, 1.0, -direction);
+            if L::strength(&after) <= 0.0 {
+                return None;
+            }
+            through = Some(after);
+            // the next ray starts behind this surface
+            from = Surface {
+                position: offset_origin(
+                    met.surface.position,
+                    met.surface.error,
+                    met.surface.normal,
+                    direction,
+                ),
+                error: Vec3A::ZERO,
+                ..met.surface
+            };
+        }
+        None
+    }
+}

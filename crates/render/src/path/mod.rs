@@ -1,0 +1,423 @@
+//! The integrator: a path tracer from the camera, with next-event estimation and multiple importance sampling.
+//!
+//! Matter that answers to coherence is evaluated late. Its direction toward the light is drawn first; only when the
+//! light's origin is known, and with it the coherence, its matrix is multiplied into the throughput. Until then the
+//! specular matter on the way is kept apart ([`Way`]).
+//!
+//! Emitters are cut into patches for such a vertex. Connections average its transfer over a patch; if the patches are
+//! few all of them are summed and only visibility is left to chance. Rays that hit a patch use the same average, and
+//! the weights of both are constant on a patch, so that the expected image does not depend on the cut.
+//!
+//! `connect.rs` looks for light from a vertex, `way.rs` follows specular matter.
+
+mod connect;
+mod way;
+
+use glam::Vec3A;
+
+use crate::coherence::Coherence;
+use crate::geometry::bvh::Stack;
+use crate::geometry::frame::Frame;
+use crate::geometry::ray::{Ray, offset_origin};
+use crate::light::Light;
+use crate::material::{Departure, Material, Matter, Part, Vertex};
+use crate::sampler::SampleStream;
+use crate::scene::{Encounter, Scene};
+use way::Way;
+
+/// Length of paths and how they end.
+#[derive(Clone, Copy, Debug)]
+pub struct PathOptions {
+    /// Longest path: 1 sees emitters only, 2 one bounce, … `u32::MAX`: no limit.
+    pub max_depth: u32,
+    /// Paths longer than this may be ended by Russian roulette.
+    pub rr_depth: u32,
+    /// Whether the camera does not see emitters directly.
+    pub hide_emitters: bool,
+    /// Half-width of emitter patches, in widths of the lobe that sees them; 0: plane waves, no patches.
+    pub patch: f32,
+}
+
+impl Default for PathOptions {
+    fn default() -> Self {
+        Self {
+            max_depth: u32::MAX,
+            rr_depth: 5,
+            hide_emitters: false,
+            patch: 0.5,
+        }
+    }
+}
+
+/// What tracing has cost.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Counters {
+    /// Camera samples.
+    pub paths: u64,
+    /// Closest-hit and shadow rays.
+    pub rays: u64,
+}
+
+/// The last vertex with a continuous lobe, whose direction toward the light is drawn.
+struct Behind<'a, L: Light> {
+    material: &'a Material,
+    vertex: Vertex,
+    /// The vertex's frame with its normal on the camera's side.
+    lit_frame: Frame,
+    departure: Departure,
+    /// Width of its lobe if its response waits for the coherence of the light; `None`: it is in the throughput.
+    waits: Option<f32>,
+    /// The specular matter since.
+    way: Way<L>,
+}
+
+/// Random dimensions: the film takes 0 and 1, the wavelength 2; then eight a vertex.
+const FIRST_VERTEX: u32 = 4;
+const PER_VERTEX: u32 = 8;
+
+/// A camera sample: where it looks and the wavelengths that it carries.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraSample<'a> {
+    /// The ray.
+    pub ray: Ray,
+    /// First axis of its Stokes frame.
+    pub axis: Vec3A,
+    /// Wavelengths in nm, one a lane.
+    pub wavelengths: &'a [f32],
+    /// Its random numbers.
+    pub stream: SampleStream,
+}
+
+/// One camera sample on its way.
+struct Walk<'a, L: Light> {
+    scene: &'a Scene,
+    options: &'a PathOptions,
+    wavelengths: &'a [f32],
+    stream: SampleStream,
+    stack: &'a mut Stack,
+    counters: &'a mut Counters,
+    seen: L::Stokes,
+}
+
+/// The Stokes vector that one camera sample sees, in the frame of its ray.
+pub fn trace<L: Light>(
+    scene: &Scene,
+    options: &PathOptions,
+    sample: CameraSample<'_>,
+    stack: &mut Stack,
+    counters: &mut Counters,
+) -> L::Stokes {
+    counters.paths += 1;
+    let mut walk = Walk::<L> {
+        scene,
+        options,
+        wavelengths: sample.wavelengths,
+        stream: sample.stream,
+        stack,
+        counters,
+        seen: L::dark(),
+    };
+    walk.run(sample.ray, sample.axis);
+    walk.seen
+}
+
+impl<'a, L: Light> Walk<'a, L> {
+    fn run(&mut self, mut ray: Ray, axis: Vec3A) {
+        let (scene, options) = (self.scene, self.options);
+        let mut throughput = L::identity(axis);
+        let mut behind: Option<Behind<'a, L>> = None;
+        // the camera's own rays, until something scatters or bends them
+        let mut first = true;
+        // ratio of the indices along the path: roulette looks at power, not at radiance
+        let mut eta = 1.0f32;
+
+        let mut depth = 1u32;
+        while depth <= options.max_depth {
+            // find what the ray meets
+            self.counters.rays += 1;
+            let mut encounter = scene.intersect(&ray, self.stack);
+            let mut source = None;
+            if options.hide_emitters && first {
+                encounter = self.beyond_emitters(&mut ray, encounter);
+            } else {
+                source = match &encounter {
+                    Some(e) => e
+                        .owner
+                        .emitter
+                        .filter(|_| ray.direction.dot(e.surface.normal) < 0.0),
+                    None => scene.environment,
+                };
+            }
+
+            // light that the surface or the surroundings send out
+            if let Some(emitter) = source {
+                self.collect_hit(
+                    &throughput,
+                    behind.as_ref(),
+                    emitter,
+                    encounter.as_ref(),
+                    &ray,
+                );
+            }
+            let Some(encounter) = encounter else { break };
+            if depth >= options.max_depth {
+                break;
+            }
+            let surface = encounter.surface;
+            let material = &scene.materials[encounter.owner.material as usize];
+
+            // light from matter that scatters comes to the vertex behind as plane waves
+            if !material.is_discrete()
+                && let Some(from) = &mut behind
+                && from.waits.take().is_some()
+            {
+                throughput = self.through(
+                    &throughput,
+                    from,
+                    from.departure.direction,
+                    &Coherence::PLANE_WAVE,
+                );
+                if L::strength(&throughput) <= 0.0 {
+                    break;
+                }
+            }
+            let waits = behind.as_ref().is_some_and(|from| from.waits.is_some());
+
+            // end weak paths
+            let dimension = FIRST_VERTEX + PER_VERTEX * (depth - 1);
+            let [choice, roulette] = self.stream.pair(dimension + 2);
+            if depth > options.rr_depth && !waits {
+                let survival = (L::strength(&throughput) * eta * eta).min(0.95);
+                if roulette >= survival {
+                    break;
+                }
+                L::scale(&mut throughput, survival.recip());
+            }
+
+            let frame = surface.frame;
+            let o_world = -ray.direction;
+            let vertex = Vertex {
+                o: frame.to_local(o_world),
+                position: surface.position,
+                frame,
+                viewer_distance: (surface.position - ray.origin).length(),
+            };
+            let lit_frame = if vertex.o.z < 0.0 {
+                frame.flipped()
+            } else {
+                frame
+            };
+            let lobe = if options.patch > 0.0 && scene.traits_of(encounter.owner.material).coherent
+            {
+                material.lobe_width(&vertex, self.wavelengths)
+            } else {
+                None
+            };
+
+            // connect to a light source
+            let [drawn, spare] = self.stream.pair(dimension + 6);
+            if !material.is_discrete()
+                && let Some((emitter, share)) = scene.choose_emitter(choice)
+            {
+                let place = connect::Place {
+                    material,
+                    surface: &surface,
+                    vertex: &vertex,
+                    lit_frame: &lit_frame,
+                    lobe,
+                    // links that a way through flat matter may still have
+                    room: options.max_depth - depth - 1,
+                };
+                let u = self.stream.pair(dimension);
+                self.connect(&throughput, &place, emitter, share, [u[0], u[1], spare]);
+            }
+
+            // go on toward the light
+            let [u, v] = self.stream.pair(dimension + 4);
+            let Some(departure) = material.sample(&vertex, self.wavelengths, [drawn, u, v]) else {
+                break;
+            };
+            let direction = frame.to_world(departure.direction);
+            eta *= departure.eta;
+            match departure.part {
+                Part::Continuous => {
+                    let next = Behind {
+                        material,
+                        vertex,
+                        lit_frame,
+                        departure,
+                        waits: lobe,
+                        way: Way::new(direction),
+                    };
+                    if lobe.is_none() {
+                        throughput = self.through(
+                            &throughput,
+                            &next,
+                            departure.direction,
+                            &Coherence::PLANE_WAVE,
+                        );
+                    }
+                    behind = Some(next);
+                }
+                Part::Straight | Part::Discrete(_) => {
+                    let (response, _) = material.respond::<L>(
+                        &vertex,
+                        departure.direction,
+                        departure.part,
+                        self.wavelengths,
+                        &Coherence::PLANE_WAVE,
+                    );
+                    let response = L::map_axes(response, |v| frame.to_world(v));
+                    let weight = departure.density.recip();
+                    match &mut behind {
+                        Some(from) => {
+                            from.way.note(departure.part);
+                            if from.waits.is_some() {
+                                from.way
+                                    .extend(response, weight, o_world, vertex.viewer_distance);
+                            } else {
+                                throughput = L::extend(&throughput, response, weight, o_world);
+                            }
+                        }
+                        None => throughput = L::extend(&throughput, response, weight, o_world),
+                    }
+                }
+            }
+            if L::strength(&throughput) <= 0.0 {
+                break;
+            }
+            ray = Ray {
+                origin: offset_origin(surface.position, surface.error, surface.normal, direction),
+                direction,
+                t_max: f32::INFINITY,
+            };
+            first = false;
+            depth += 1;
+        }
+    }
+
+    /// The throughput with the vertex behind, lit along local `i`, and with the specular matter since.
+    #[inline]
+    fn through(
+        &self,
+        throughput: &L::Throughput,
+        from: &Behind<'_, L>,
+        i: Vec3A,
+        coherence: &Coherence,
+    ) -> L::Throughput {
+        let Departure { density, part, .. } = from.departure;
+        let frame = from.vertex.frame;
+        let (response, _) =
+            from.material
+                .respond::<L>(&from.vertex, i, part, self.wavelengths, coherence);
+        let response = L::map_axes(response, |v| frame.to_world(v));
+        let o = frame.to_world(from.vertex.o);
+        from.way
+            .after(L::extend(throughput, response, density.recip(), o))
+    }
+
+    /// Light of an emitter that the path has met.
+    fn collect_hit(
+        &mut self,
+        throughput: &L::Throughput,
+        behind: Option<&Behind<'a, L>>,
+        emitter: u32,
+        encounter: Option<&Encounter>,
+        ray: &Ray,
+    ) {
+        let scene = self.scene;
+        let source = &scene.emitters[emitter as usize];
+        let (k, position) = (
+            -ray.direction,
+            encounter.map_or(Vec3A::ZERO, |e| e.surface.position),
+        );
+        // how connections from the vertex behind sample the same light
+        let other = |from: &Behind<'a, L>| match encounter {
+            _ if !from.way.straight => 0.0,
+            Some(e) => scene.density_of_hit(emitter, from.vertex.position, &e.surface),
+            None => scene.density_of_miss(&from.lit_frame, from.way.direction),
+        };
+        let Some(from) = behind else {
+            let emission = source.emit::<L>(k, position, self.wavelengths);
+            L::accumulate(&mut self.seen, L::collect(throughput, &emission, k), 1.0);
+            return;
+        };
+        let density = from.departure.density;
+        let Some(lobe) = from.waits else {
+            let emission = source.emit::<L>(k, position, self.wavelengths);
+            let share = power_heuristic(density, other(from));
+            L::accumulate(&mut self.seen, L::collect(throughput, &emission, k), share);
+            return;
+        };
+
+        let largest = connect::largest_patch(self.options, lobe);
+        let cut = match encounter {
+            Some(_) if from.way.straight => source.cut(scene, from.vertex.position, largest),
+            _ => None,
+        };
+        let (share, i, coherence, position) = if let Some(cut) = cut {
+            if cut.len() <= connect::MOST_SUMMED {
+                // connections have seen all of it
+                return;
+            }
+            let patch = cut.patch(cut.find(position, from.way.direction));
+            let i = from.vertex.frame.to_local(patch.direction);
+            let coherence = patch.coherence();
+            let (_, own) = from.material.respond::<L>(
+                &from.vertex,
+                i,
+                Part::Continuous,
+                self.wavelengths,
+                &coherence,
+            );
+            let other = (patch.solid_angle * cut.len() as f32).recip();
+            (power_heuristic(own, other), i, coherence, patch.centre)
+        } else if !from.way.straight
+            && let Some(e) = encounter
+            && let Some(patch) = self.patch_through(from, source, &e.surface, ray, largest)
+        {
+            let i = from.vertex.frame.to_local(patch.direction);
+            (1.0, i, patch.coherence(), patch.centre)
+        } else {
+            let share = power_heuristic(density, other(from));
+            (
+                share,
+                from.departure.direction,
+                Coherence::PLANE_WAVE,
+                position,
+            )
+        };
+        let throughput = self.through(throughput, from, i, &coherence);
+        let emission = source.emit::<L>(k, position, self.wavelengths);
+        L::accumulate(&mut self.seen, L::collect(&throughput, &emission, k), share);
+    }
+
+    /// The first surface along the ray that does not shine.
+    fn beyond_emitters(
+        &mut self,
+        ray: &mut Ray,
+        mut encounter: Option<Encounter>,
+    ) -> Option<Encounter> {
+        while let Some(e) = encounter.filter(|e| e.owner.emitter.is_some()) {
+            ray.origin = offset_origin(
+                e.surface.position,
+                e.surface.error,
+                e.surface.normal,
+                ray.direction,
+            );
+            self.counters.rays += 1;
+            encounter = self.scene.intersect(ray, self.stack);
+        }
+        encounter
+    }
+}
+
+/// Weight of a sample drawn with density `own` where another strategy has density `other`.
+///
+/// Source: Veach, Robust Monte Carlo Methods for Light Transport Simulation, 1997, section 9.2.4 (β = 2).
+#[inline]
+fn power_heuristic(own: f32, other: f32) -> f32 {
+    // as a ratio: squares of large densities overflow
+    let ratio = other / own;
+    (1.0 + ratio * ratio).recip()
+}
