@@ -87,7 +87,8 @@ impl Shot {
         self.of_document(&read(&path, &[]).unwrap_or_else(|error| panic!("{error}")))
     }
 
-    fn of_document(&self, document: &Document) -> StokesImage {
+    /// Renders a scene.
+    pub fn of_document(&self, document: &Document) -> StokesImage {
         let job = self.job(document);
         image_of(
             &job,
