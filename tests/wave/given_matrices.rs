@@ -117,7 +117,7 @@ fn what_cannot_be_rendered_is_refused_at_its_place() {
     let (status, message) = run(table, &["--rgb"]);
     assert_eq!(status, Some(2));
     assert!(
-        message.contains("scene.xml:2:87: 'ior' of bsdf 'layered' is known from 400 to 700 nm"),
+        message.contains("scene.xml:2:86: 'ior' of bsdf 'layered' is known from 400 to 700 nm"),
         "{message}"
     );
     assert_eq!(run(table, &["--wavelength", "500nm"]).0, Some(0));
