@@ -32,6 +32,7 @@ CHECKS = {
     "colour_path": [str(PYTHON), "validation/colour_path.py"],
     "fresnel_sphere": [str(PYTHON), "validation/fresnel_sphere.py"],
     "plates": [str(PYTHON), "validation/plates.py"],
+    "films": [str(PYTHON), "validation/films.py"],
     "fields": [str(PYTHON), "validation/fields.py", "--self-test"],
     "light": [str(PYTHON), "validation/light.py", "--self-test"],
     "scattering": [str(PYTHON), "validation/scattering.py", "--self-test"],

@@ -2,7 +2,7 @@
 
 use glam::Vec4;
 
-use crate::colour::rgb_weights;
+use crate::colour::{FIRST_NM, LAST_NM, rgb_weights};
 use crate::filter::Filter;
 
 /// Which wavelengths an image shows, and how many colours it has.
@@ -24,6 +24,15 @@ pub enum SpectralMode {
 }
 
 impl SpectralMode {
+    /// First and last wavelength that paths may carry, nm.
+    pub fn range(&self) -> [f64; 2] {
+        match *self {
+            Self::Single(wavelength) => [wavelength; 2],
+            Self::Bands { from, to, .. } => [from, to],
+            Self::Rgb => [FIRST_NM, LAST_NM],
+        }
+    }
+
     /// Colours of the image.
     pub fn colours(&self) -> usize {
         match self {

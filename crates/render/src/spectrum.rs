@@ -171,6 +171,24 @@ impl Spectrum {
         matches!(self.0, Shape::Constant(_))
     }
 
+    /// First and last wavelength in nm of a table that is zero outside; `None` for all else.
+    #[must_use]
+    pub fn domain(&self) -> Option<[f64; 2]> {
+        match &self.0 {
+            Shape::Table { knots, held: false } => Some([knots[0].0, knots[knots.len() - 1].0]),
+            _ => None,
+        }
+    }
+
+    /// The knots of a table, `(wavelength in nm, value)`; none for all else.
+    #[must_use]
+    pub fn knots(&self) -> &[(f64, f64)] {
+        match &self.0 {
+            Shape::Table { knots, .. } => knots,
+            _ => &[],
+        }
+    }
+
     /// The constant spectrum of this one's value at `wavelength_nm`.
     #[must_use]
     pub fn at(&self, wavelength_nm: f32) -> Self {

@@ -232,6 +232,7 @@ fn load(args: &Args) -> Result<(Job, Vec<String>), Failure> {
     } else {
         SpectralMode::Single(args.wavelength.unwrap_or(550.0))
     };
+    built.scene.check_wavelengths(mode.range()).map_err(wrong)?;
     let bytes = film.bytes(mode.colours());
     if bytes > MOST_MEMORY {
         return Err(Failure::Usage(format!(

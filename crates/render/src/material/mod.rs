@@ -3,17 +3,25 @@
 //! Directions are local (z along the shading normal, x along axis U), unit, and point away from the surface:
 //! `o` toward the camera, `i` toward the light. Light propagates along `−i` before and `o` after the surface.
 
+pub mod birefringent;
 pub mod circular;
 pub mod conductor;
 pub mod dielectric;
 pub mod diffuse;
+pub mod index;
+pub mod layered;
 pub mod microfacet;
+pub mod mueller;
 pub mod null;
 pub mod polarizer;
 pub mod pplastic;
 pub mod retarder;
+pub mod rotator;
 pub mod roughconductor;
+#[cfg(test)]
+pub mod testing;
 pub mod twosided;
+pub mod wedge;
 
 use glam::Vec3A;
 
@@ -127,6 +135,14 @@ pub enum Material {
     Circular(circular::Circular),
     /// Nothing.
     Null(null::Null),
+    /// Thin films.
+    Layered(layered::Layered),
+    /// Crystal plate.
+    Birefringent(birefringent::Birefringent),
+    /// Optical activity.
+    Rotator(rotator::Rotator),
+    /// Any Mueller matrix.
+    Mueller(mueller::MuellerElement),
     /// Matter with two sides.
     TwoSided(twosided::TwoSided),
 }
@@ -144,6 +160,10 @@ macro_rules! ask {
             Material::Retarder($m) => $answer,
             Material::Circular($m) => $answer,
             Material::Null($m) => $answer,
+            Material::Layered($m) => $answer,
+            Material::Birefringent($m) => $answer,
+            Material::Rotator($m) => $answer,
+            Material::Mueller($m) => $answer,
             Material::TwoSided($m) => $answer,
         }
     };
@@ -193,15 +213,28 @@ pub trait Matter {
     fn traits(&self) -> Traits {
         Traits::default()
     }
+
+    /// Refuses a rendering from the first to the second wavelength, nm, where the scene has no data for it.
+    ///
+    /// # Errors
+    ///
+    /// At the table of the scene file that ends too early.
+    fn check_wavelengths(&self, _: [f64; 2]) -> Result<(), SceneError> {
+        Ok(())
+    }
 }
 
 impl Material {
     /// Whether light meets it from both sides by itself.
     pub fn is_two_sided(&self) -> bool {
-        !matches!(
-            self,
-            Self::Diffuse(_) | Self::Conductor(_) | Self::RoughConductor(_) | Self::Pplastic(_)
-        )
+        match self {
+            Self::Diffuse(_) | Self::Conductor(_) | Self::RoughConductor(_) | Self::Pplastic(_) => {
+                false
+            }
+            Self::Layered(layered) => !layered.is_opaque(),
+            Self::Mueller(element) => !element.is_mirror(),
+            _ => true,
+        }
     }
 }
 
@@ -243,6 +276,10 @@ impl Matter for Material {
 
     fn traits(&self) -> Traits {
         ask!(self, m => m.traits())
+    }
+
+    fn check_wavelengths(&self, range: [f64; 2]) -> Result<(), SceneError> {
+        ask!(self, m => m.check_wavelengths(range))
     }
 }
 

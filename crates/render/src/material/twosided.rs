@@ -15,6 +15,7 @@ use glam::Vec3A;
 use super::{Departure, Effect, Material, Matter, Part, Traits, Vertex};
 use crate::coherence::Coherence;
 use crate::light::Light;
+use crate::scene::SceneError;
 
 /// Matter with a front and a back.
 #[derive(Clone, Debug)]
@@ -116,5 +117,11 @@ impl Matter for TwoSided {
     fn traits(&self) -> Traits {
         let [front, back] = self.sides().map(Matter::traits);
         front.or(back)
+    }
+
+    fn check_wavelengths(&self, range: [f64; 2]) -> Result<(), SceneError> {
+        let [front, back] = self.sides();
+        front.check_wavelengths(range)?;
+        back.check_wavelengths(range)
     }
 }

@@ -18,14 +18,18 @@ use crate::emitter::{
 };
 use crate::film::FilmGeometry;
 use crate::material::Material;
+use crate::material::birefringent::Birefringent;
 use crate::material::circular::Circular;
 use crate::material::conductor::Conductor;
 use crate::material::dielectric::Dielectric;
 use crate::material::diffuse::Diffuse;
+use crate::material::layered::Layered;
+use crate::material::mueller::MuellerElement;
 use crate::material::null::Null;
 use crate::material::polarizer::Polarizer;
 use crate::material::pplastic::Pplastic;
 use crate::material::retarder::Retarder;
+use crate::material::rotator::Rotator;
 use crate::material::roughconductor::RoughConductor;
 use crate::material::twosided::TwoSided;
 use crate::path::PathOptions;
@@ -368,6 +372,10 @@ fn read_material(object: &Rc<Object>) -> Result<Material, SceneError> {
         "polarizer" => Material::Polarizer(Polarizer::read(object)?),
         "retarder" => Material::Retarder(Retarder::read(object)?),
         "circular" => Material::Circular(Circular::read(object)?),
+        "layered" => Material::Layered(Layered::read(object)?),
+        "birefringent" => Material::Birefringent(Birefringent::read(object)?),
+        "rotator" => Material::Rotator(Rotator::read(object)?),
+        "mueller" => Material::Mueller(MuellerElement::read(object)?),
         "null" => Material::Null(Null),
         "twosided" => {
             let sides = object.children(Tag::Bsdf);

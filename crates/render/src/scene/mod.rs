@@ -17,6 +17,7 @@ mod dialect;
 mod document;
 mod element;
 mod error;
+mod lists;
 pub mod mesh;
 mod number;
 mod obj;

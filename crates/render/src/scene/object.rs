@@ -68,7 +68,8 @@ impl Object {
         self.place_of(name).error(message)
     }
 
-    fn place_of(&self, name: &str) -> &Position {
+    /// Where a parameter or a named child is, or the object where it has none of that name.
+    pub fn place_of(&self, name: &str) -> &Position {
         let parameter = self.parameters.iter().find(|p| p.name == name);
         let child = || {
             self.children

@@ -15,14 +15,18 @@ const KINDS: [Kind; 8] = [
     Kind {
         tag: Tag::Bsdf,
         supported: &[
+            "birefringent",
             "circular",
             "conductor",
             "dielectric",
             "diffuse",
+            "layered",
+            "mueller",
             "null",
             "polarizer",
             "pplastic",
             "retarder",
+            "rotator",
             "roughconductor",
             "twosided",
         ],

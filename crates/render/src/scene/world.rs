@@ -2,6 +2,7 @@
 
 use glam::Vec3A;
 
+use super::error::SceneError;
 use crate::emitter::{Emitter, Target};
 use crate::geometry::bvh::{Bvh, Primitive, Stack};
 use crate::geometry::flat::Flat;
@@ -93,6 +94,17 @@ impl Scene {
     /// What transport has to know of the matter in the scene.
     pub fn traits(&self) -> Traits {
         self.traits
+    }
+
+    /// Refuses a rendering from the first to the second wavelength, nm, where the scene's tables end earlier.
+    ///
+    /// # Errors
+    ///
+    /// At the table in the scene file.
+    pub fn check_wavelengths(&self, range: [f64; 2]) -> Result<(), SceneError> {
+        self.materials
+            .iter()
+            .try_for_each(|material| material.check_wavelengths(range))
     }
 
     /// What transport has to know of one material.
