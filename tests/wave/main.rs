@@ -1,3 +1,10 @@
 //! Claim: matter and light that only waves explain agree with closed forms through the whole program.
 //!
 //! One module a plugin or a subject.
+
+mod clear_sky;
+mod egsm;
+mod emitters;
+mod mueller;
+mod rhomb;
+mod through_plates;
