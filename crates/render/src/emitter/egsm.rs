@@ -207,11 +207,10 @@ impl Schell {
     pub(super) fn connect(&self, from: Vec3A, u: [f32; 2]) -> Option<Connection> {
         let Outline {
             centre,
-            half_u,
-            half_v,
             normal,
             round,
             error,
+            ..
         } = self.outline;
         let (position, density) = if self.gaussian {
             let radius = self.sigma * (-2.0 * (1.0 - u[0]).ln()).max(0.0).sqrt();
@@ -231,7 +230,6 @@ impl Schell {
             };
             (self.outline.at(at), self.outline.area().recip())
         };
-        debug_assert!(half_u.is_finite() && half_v.is_finite());
         let sample = by_area((position, error, normal), density.recip(), from)?;
         let direction = (position - from).normalize();
         let target = Target {
