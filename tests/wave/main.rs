@@ -5,3 +5,9 @@
 mod birefringent;
 mod given_matrices;
 mod layered;
+mod clear_sky;
+mod egsm;
+mod emitters;
+mod mueller;
+mod rhomb;
+mod through_plates;

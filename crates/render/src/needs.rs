@@ -1,7 +1,8 @@
 //! What a scene needs: which Stokes components can be other than zero at the sensor, and why.
 //!
-//! An upper bound from the matter in the scene and the length of paths alone: all light sources are unpolarized, so
-//! whatever polarization arrives was made by matter. What cannot arise is not computed.
+//! An upper bound from the light sources, the matter in the scene and the length of paths: whatever polarization arrives
+//! was sent out so or was made by matter. What cannot arise is not computed. Where something polarizes, S0 depends on
+//! the rest, and all of the Stokes vector is followed.
 
 use crate::material::{Effect, Matter};
 use crate::path::PathOptions;
@@ -26,7 +27,7 @@ pub struct Needs {
 }
 
 impl Needs {
-    /// What the scene's matter can make of unpolarized light.
+    /// What the scene's light sources send out and its matter can make of it.
     ///
     /// `names` names the materials in messages, in their order.
     pub fn of(scene: &Scene, paths: &PathOptions, names: &[String]) -> Self {
@@ -39,46 +40,58 @@ impl Needs {
         };
         // a path of length d has d − 1 vertices
         let vertices = paths.max_depth.saturating_sub(1);
+        let shines = |is: fn((bool, bool)) -> bool| {
+            let mut emitters = scene.emitters.iter();
+            let found = emitters.find(|e| is(e.polarizes()));
+            found.map(|e| format!("emitter '{}'", e.plugin()))
+        };
+        let [linear_light, circular_light] = [shines(|p| p.0), shines(|p| p.1)];
         let polarizer = who(|e| e.makes_linear).filter(|_| vertices >= 1);
         let circular = who(|e| e.makes_circular).filter(|_| vertices >= 1);
-        let retarder = who(|e| e.retards).filter(|_| vertices >= 2);
+        // matter retards what a light source has polarized at the first vertex, what other matter has at the second
+        let retarder = who(|e| e.retards);
+        let of_light = retarder.filter(|_| vertices >= 1);
+        let of_matter = retarder.filter(|_| vertices >= 2);
         let possible = |reason: String| Component {
             possible: true,
             reason,
         };
-        let linear = match (polarizer, circular, retarder) {
-            (Some(name), ..) => possible(format!("{name} polarizes linearly")),
-            (None, Some(c), Some(r)) => {
-                possible(format!("{r} retards what {c} has polarized circularly"))
-            }
-            _ => Component {
-                possible: false,
-                reason: "no matter within reach polarizes linearly".to_owned(),
-            },
+        let impossible = |reason: &str| Component {
+            possible: false,
+            reason: reason.to_owned(),
         };
-        let circular = match (circular, polarizer, retarder) {
-            (Some(name), ..) => possible(format!("{name} polarizes circularly")),
-            (None, Some(p), Some(r)) if p == r => possible(format!(
-                "{r} retards at one bounce what it has polarized at another"
-            )),
-            (None, Some(p), Some(r)) => {
-                possible(format!("{r} retards what {p} has polarized linearly"))
-            }
-            (None, Some(_), None) if who(|e| e.retards).is_some() => Component {
-                possible: false,
-                reason: format!(
-                    "paths of length {} meet matter once; it takes two to retard",
-                    paths.max_depth
-                ),
-            },
-            (None, Some(_), None) => Component {
-                possible: false,
-                reason: "no matter retards".to_owned(),
-            },
-            _ => Component {
-                possible: false,
-                reason: "no matter within reach polarizes".to_owned(),
-            },
+        let linear = if let Some(light) = &linear_light {
+            possible(format!("{light} is linearly polarized"))
+        } else if let Some(name) = polarizer {
+            possible(format!("{name} polarizes linearly"))
+        } else if let (Some(light), Some(r)) = (&circular_light, of_light) {
+            possible(format!("{r} retards the circular light of {light}"))
+        } else if let (Some(c), Some(r)) = (circular, of_matter) {
+            possible(format!("{r} retards what {c} has polarized circularly"))
+        } else {
+            impossible("no matter within reach polarizes linearly")
+        };
+        let circular = if let Some(light) = &circular_light {
+            possible(format!("{light} is circularly polarized"))
+        } else if let Some(name) = circular {
+            possible(format!("{name} polarizes circularly"))
+        } else if let (Some(light), Some(r)) = (&linear_light, of_light) {
+            possible(format!("{r} retards the linear light of {light}"))
+        } else if let (Some(p), Some(r)) = (polarizer, of_matter) {
+            possible(if p == r {
+                format!("{r} retards at one bounce what it has polarized at another")
+            } else {
+                format!("{r} retards what {p} has polarized linearly")
+            })
+        } else if polarizer.is_none() && linear_light.is_none() {
+            impossible("no matter within reach polarizes")
+        } else if retarder.is_some() {
+            impossible(&format!(
+                "paths of length {} meet matter once; it takes two to retard",
+                paths.max_depth
+            ))
+        } else {
+            impossible("no matter retards")
         };
         Self { linear, circular }
     }
@@ -94,10 +107,10 @@ mod tests {
     use super::*;
     use crate::scene::{Overrides, build, read_text};
 
-    fn needs(matter: &str, depth: u32) -> (bool, bool) {
+    fn needs(content: &str, depth: u32) -> (bool, bool) {
         let text = format!(
             "<scene version='3.0.0'><integrator type='path'><integer name='max_depth' value='{depth}'/></integrator>\
-             <sensor type='perspective'/>{matter}</scene>"
+             <sensor type='perspective'/>{content}</scene>"
         );
         let document = read_text(&text, "test.xml".as_ref(), &[]).unwrap();
         let built = build(&document, Overrides::default()).unwrap();
@@ -135,5 +148,20 @@ mod tests {
             needs("<bsdf type='twosided'><bsdf type='pplastic'/></bsdf>", 50),
             (true, false)
         );
+    }
+
+    #[test]
+    fn polarized_emitters_need_stokes_vectors_at_once() {
+        let lamp = |stokes: &str| {
+            format!("<emitter type='point'><string name='stokes' value='{stokes}'/></emitter>")
+        };
+        assert_eq!(needs(&lamp("1, 0, 0, 0"), 8), (false, false));
+        assert_eq!(needs(&lamp("1, 0, 0.5, 0"), 1), (true, false));
+        assert_eq!(needs(&lamp("1, 0, 0, -0.5"), 1), (false, true));
+        let plate = "<bsdf type='retarder'/>";
+        // one plate is enough for light that is polarized already
+        assert_eq!(needs(&(lamp("1, 0.5, 0, 0") + plate), 2), (true, true));
+        assert_eq!(needs(&(lamp("1, 0, 0, 1") + plate), 2), (true, true));
+        assert_eq!(needs(&(lamp("1, 0, 0, 1") + plate), 1), (false, true));
     }
 }

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use super::values::Define;
 use super::{Failure, Outcome};
+use crate::emitter::Emitter;
 use crate::material::{Effect, Matter};
 use crate::needs::{Component, Needs};
 use crate::sampler::Generator;
@@ -82,8 +83,8 @@ fn describe(built: &BuiltScene, generator: Generator) -> String {
             scene.meshes.len()
         ),
     );
-    for name in &built.emitter_names {
-        line("emitter", format!("{name}: unpolarized"));
+    for (emitter, name) in scene.emitters.iter().zip(&built.emitter_names) {
+        line("emitter", format!("{name}: {}", how_it_shines(emitter)));
     }
     if scene.emitters.is_empty() {
         line("emitter", "none: the image is black".to_owned());
@@ -114,6 +115,19 @@ fn told(component: &Component) -> String {
         "zero"
     };
     format!("{may}: {}", component.reason)
+}
+
+fn how_it_shines(emitter: &Emitter) -> String {
+    let kinds = match emitter.polarizes() {
+        (false, false) => return "unpolarized".to_owned(),
+        (true, false) => "linearly",
+        (false, true) => "circularly",
+        (true, true) => "elliptically",
+    };
+    match &emitter.polarization {
+        Some(p) => format!("polarized {kinds}, degree {:.4}", p.state.length()),
+        None => format!("polarized {kinds}, by direction"),
+    }
 }
 
 fn what_it_does(effect: Effect) -> String {

@@ -2,7 +2,7 @@
 //!
 //! | parameter  | type     | meaning                | default |
 //! |------------|----------|------------------------|---------|
-//! | `radiance` | spectrum | W/(m² sr), unpolarized | 1       |
+//! | `radiance` | spectrum | W/(m² sr) | 1       |
 //!
 //! ```xml
 //! <shape type="rectangle"><emitter type="area"><float name="radiance" value="12"/></emitter></shape>

@@ -2,7 +2,7 @@
 //!
 //! | parameter  | type     | meaning                | default |
 //! |------------|----------|------------------------|---------|
-//! | `radiance` | spectrum | W/(m² sr), unpolarized | 1       |
+//! | `radiance` | spectrum | W/(m² sr) | 1       |
 //!
 //! ```xml
 //! <emitter type="constant"><float name="radiance" value="0.2"/></emitter>

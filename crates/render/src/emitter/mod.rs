@@ -3,8 +3,12 @@
 pub mod area;
 pub mod constant;
 pub mod directional;
+pub mod egsm;
+pub mod laser;
 pub mod patch;
 pub mod point;
+pub mod polarization;
+pub mod rayleighsky;
 pub mod spot;
 
 use glam::Vec3A;
@@ -15,10 +19,20 @@ use crate::light::{Emission, Light};
 use crate::scene::{Body, Scene};
 use crate::shape::Surface;
 use patch::{Cut, Outline};
+use polarization::Polarization;
 
 /// Any light source.
 #[derive(Clone, Debug)]
-pub enum Emitter {
+pub struct Emitter {
+    /// What it is.
+    pub kind: Kind,
+    /// The state of all its light, if the scene file gives one.
+    pub polarization: Option<Polarization>,
+}
+
+/// What a light source is.
+#[derive(Clone, Debug)]
+pub enum Kind {
     /// The surface of a shape.
     Area(area::Area),
     /// The same radiance from everywhere.
@@ -29,6 +43,12 @@ pub enum Emitter {
     Spot(spot::Spot),
     /// One direction.
     Directional(directional::Directional),
+    /// A flat spot of partial coherence.
+    Schell(Box<egsm::Schell>),
+    /// The clear sky.
+    RayleighSky(Box<rayleighsky::RayleighSky>),
+    /// A parallel beam.
+    Laser(laser::Laser),
 }
 
 /// A way from a vertex to a light source.
@@ -83,47 +103,109 @@ impl Emitter {
         frame: &Frame,
         u: [f32; 2],
     ) -> Option<Connection> {
-        match self {
-            Self::Area(e) => e.connect(scene, from, u),
-            Self::Constant(e) => e.connect(frame, u),
-            Self::Point(e) => e.connect(from),
-            Self::Spot(e) => e.connect(from),
-            Self::Directional(e) => e.connect(),
+        match &self.kind {
+            Kind::Area(e) => e.connect(scene, from, u),
+            Kind::Constant(e) => e.connect(frame, u),
+            Kind::Point(e) => e.connect(from),
+            Kind::Spot(e) => e.connect(from),
+            Kind::Directional(e) => e.connect(u),
+            Kind::Schell(e) => e.connect(from, u),
+            Kind::RayleighSky(e) => e.connect(frame, u),
+            Kind::Laser(e) => e.connect(from),
         }
     }
 
     /// Density per steradian of [`Emitter::connect`] for a surface point that a ray from `from` has hit.
     #[inline]
     pub fn density_of_hit(&self, scene: &Scene, from: Vec3A, at: &Surface) -> f32 {
-        match self {
-            Self::Area(e) => e.density(scene, from, at),
+        match &self.kind {
+            Kind::Area(e) => e.density(scene, from, at),
+            Kind::Schell(e) => e.density(from, at.position),
             _ => 0.0,
         }
     }
 
-    /// The light that it sends along `k` from a point on it: radiance, or intensity or irradiance of emitters that
-    /// have no radiance.
+    /// Density per steradian of [`Emitter::connect`] for a direction in which nothing was hit.
+    #[inline]
+    pub fn density_of_miss(&self, frame: &Frame, direction: Vec3A) -> f32 {
+        match &self.kind {
+            Kind::Constant(e) => e.density(frame, direction),
+            Kind::RayleighSky(e) => e.density(frame, direction),
+            _ => 0.0,
+        }
+    }
+
+    /// Whether it surrounds the scene: rays that leave meet it.
+    pub fn surrounds(&self) -> bool {
+        matches!(self.kind, Kind::Constant(_) | Kind::RayleighSky(_))
+    }
+
+    /// Whether rays can meet it, so that connections are not the only way to its light.
+    #[inline]
+    pub fn can_be_met(&self) -> bool {
+        matches!(self.kind, Kind::Area(_) | Kind::Schell(_)) || self.surrounds()
+    }
+
+    /// The light that it sends along `k` from a point on it: radiance, or intensity, irradiance or power of emitters
+    /// that have no radiance.
     ///
     /// `from` means nothing for sources outside the scene.
     #[inline]
-    pub fn emit<L: Light>(&self, _k: Vec3A, _from: Vec3A, wavelengths: &[f32]) -> Emission<L> {
-        let spectrum = match self {
-            Self::Area(e) => &e.radiance,
-            Self::Constant(e) => &e.radiance,
-            Self::Point(e) => &e.intensity,
-            Self::Spot(e) => &e.intensity,
-            Self::Directional(e) => &e.irradiance,
+    pub fn emit<L: Light>(&self, k: Vec3A, from: Vec3A, wavelengths: &[f32]) -> Emission<L> {
+        let (spectrum, scale) = match &self.kind {
+            Kind::Area(e) => (&e.radiance, 1.0),
+            Kind::Constant(e) => (&e.radiance, 1.0),
+            Kind::Point(e) => (&e.intensity, 1.0),
+            Kind::Spot(e) => (&e.intensity, 1.0),
+            Kind::Directional(e) => (&e.irradiance, e.scale),
+            Kind::Laser(e) => (&e.power, 1.0),
+            Kind::Schell(e) => return e.emit(k, from, wavelengths),
+            Kind::RayleighSky(e) => return e.emit(k, wavelengths),
         };
-        Emission::unpolarized(|lane| spectrum.value(wavelengths[lane]))
+        let radiance = |lane: usize| spectrum.value(wavelengths[lane]) * scale;
+        match &self.polarization {
+            Some(p) if L::POLARIZED => Emission::polarized(radiance, p.axis_across(k), |_| p.state),
+            _ => Emission::unpolarized(radiance),
+        }
+    }
+
+    /// Whether its light can be linearly, and circularly, polarized.
+    pub fn polarizes(&self) -> (bool, bool) {
+        match (&self.kind, &self.polarization) {
+            (Kind::Schell(e), _) => e.polarizes(),
+            (Kind::RayleighSky(e), _) => (e.dop_max > 0.0, false),
+            (_, Some(p)) => (p.state.x != 0.0 || p.state.y != 0.0, p.state.z != 0.0),
+            (_, None) => (false, false),
+        }
+    }
+
+    /// The name of its plugin.
+    pub fn plugin(&self) -> &'static str {
+        match &self.kind {
+            Kind::Area(_) => "area",
+            Kind::Constant(_) => "constant",
+            Kind::Point(_) => "point",
+            Kind::Spot(_) => "spot",
+            Kind::Directional(_) => "directional",
+            Kind::Schell(_) => "egsm",
+            Kind::RayleighSky(_) => "rayleighsky",
+            Kind::Laser(_) => "laser",
+        }
     }
 
     /// Its outline, if it is flat.
     pub fn outline(&self, scene: &Scene) -> Option<Outline> {
-        match self {
-            Self::Area(area::Area {
+        scene.shapes[self.shape()? as usize].outline()
+    }
+
+    /// The shape that it is, if it is one.
+    fn shape(&self) -> Option<u32> {
+        match &self.kind {
+            Kind::Area(area::Area {
                 body: Body::Shape(index),
                 ..
-            }) => scene.shapes[*index as usize].outline(),
+            }) => Some(*index),
+            Kind::Schell(e) => Some(e.shape),
             _ => None,
         }
     }
@@ -131,12 +213,11 @@ impl Emitter {
     /// It in patches of at most `largest` (half-width, radians) for a vertex at `from`; `None` if it is not cut.
     #[inline]
     pub fn cut<'a>(&self, scene: &'a Scene, from: Vec3A, largest: f32) -> Option<Cut<'a>> {
-        match self {
-            Self::Area(area::Area {
-                body: Body::Shape(index),
-                ..
-            }) => scene.shapes[*index as usize].cut(from, largest),
-            _ => None,
-        }
+        let largest = match &self.kind {
+            Kind::Directional(e) => return e.cut(largest),
+            Kind::Schell(e) => e.largest_patch(from, largest),
+            _ => largest,
+        };
+        scene.shapes[self.shape()? as usize].cut(from, largest)
     }
 }

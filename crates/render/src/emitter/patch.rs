@@ -228,7 +228,7 @@ impl Outline {
         (cell.mean, cell.root, cell.share)
     }
 
-    fn area(&self) -> f32 {
+    pub(super) fn area(&self) -> f32 {
         let square = self.half_u.cross(self.half_v).length();
         if self.round {
             PI * square
@@ -419,7 +419,7 @@ impl<'a> Cut<'a> {
 }
 
 /// The direction at a point of the unit disk, which maps to the cone with equal areas.
-fn cone_direction(axis: &Frame, cap: f32, at: Vec2) -> Vec3A {
+pub(super) fn cone_direction(axis: &Frame, cap: f32, at: Vec2) -> Vec3A {
     let rise = cap * at.length_squared();
     let sin = (rise * (2.0 - rise)).max(0.0).sqrt();
     let across = at.normalize_or_zero() * sin;

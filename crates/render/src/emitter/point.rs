@@ -2,7 +2,7 @@
 //!
 //! | parameter   | type      | meaning                                   | default |
 //! |-------------|-----------|-------------------------------------------|---------|
-//! | `intensity` | spectrum  | W/sr, unpolarized                         | 1       |
+//! | `intensity` | spectrum  | W/sr                         | 1       |
 //! | `position`  | point     | place; or `to_world`, whose origin it is  | origin  |
 //! | `to_world`  | transform | place                                     | –       |
 //!

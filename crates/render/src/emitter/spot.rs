@@ -2,7 +2,7 @@
 //!
 //! | parameter      | type      | meaning                                                         | default          |
 //! |----------------|-----------|-----------------------------------------------------------------|------------------|
-//! | `intensity`    | spectrum  | W/sr along the axis, unpolarized                                | 1                |
+//! | `intensity`    | spectrum  | W/sr along the axis                                | 1                |
 //! | `cutoff_angle` | float     | degrees from the axis beyond which it is dark                   | 20               |
 //! | `beam_width`   | float     | degrees from the axis up to which it shines fully; falls linearly in between | 3/4 of the cutoff |
 //! | `to_world`     | transform | place and axis                                                  | –                |

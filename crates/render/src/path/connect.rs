@@ -146,11 +146,16 @@ impl<'a, L: Light> Walk<'a, L> {
             return None;
         }
         let density = (patch.solid_angle * count as f32).recip();
+        let share = if emitter.can_be_met() {
+            power_heuristic(density * chosen, own)
+        } else {
+            1.0
+        };
         Some(Arrival {
             response,
             emission: emitter.emit(-patch.direction, patch.centre, self.wavelengths),
             direction: patch.direction,
-            weight: power_heuristic(density * chosen, own) / density,
+            weight: share / density,
             patch: Some((cut, index)),
         })
     }

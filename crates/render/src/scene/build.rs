@@ -13,8 +13,10 @@ use super::object::Object;
 use super::plugins;
 use super::tag::Tag;
 use super::world::{Body, Owner, Scene};
+use crate::emitter::polarization::Polarization;
 use crate::emitter::{
-    Emitter, area::Area, constant::Constant, directional::Directional, point::Point, spot::Spot,
+    Emitter, Kind, area::Area, constant::Constant, directional::Directional, egsm::Schell,
+    laser::Laser, point::Point, rayleighsky::RayleighSky, spot::Spot,
 };
 use crate::film::FilmGeometry;
 use crate::material::Material;
@@ -163,29 +165,90 @@ impl Builder {
 
     /// A source that is no shape.
     fn emitter(&mut self, object: &Object) -> Result<(), SceneError> {
-        let emitter = match object.plugin.as_str() {
-            "constant" => {
-                if self.scene.environment.is_some() {
-                    return Err(object
-                        .error("second emitter that surrounds the scene, expected at most one"));
-                }
-                Emitter::Constant(Constant::read(object)?)
+        let (kind, placed) = match object.plugin.as_str() {
+            "constant" => (Kind::Constant(Constant::read(object)?), DMat4::IDENTITY),
+            "point" => (
+                Kind::Point(Point::read(object)?),
+                object.transform("to_world")?,
+            ),
+            "spot" => (
+                Kind::Spot(Spot::read(object)?),
+                object.transform("to_world")?,
+            ),
+            "directional" => {
+                let (directional, placed) = Directional::read(object)?;
+                (Kind::Directional(directional), placed)
             }
-            "point" => Emitter::Point(Point::read(object)?),
-            "spot" => Emitter::Spot(Spot::read(object)?),
-            "directional" => Emitter::Directional(Directional::read(object)?),
-            "area" => {
-                return Err(object.error("emitter 'area' stands alone, expected it inside a shape"));
+            "laser" => {
+                let (laser, placed) = Laser::read(object)?;
+                (Kind::Laser(laser), placed)
+            }
+            "rayleighsky" => (
+                Kind::RayleighSky(Box::new(RayleighSky::read(object)?)),
+                DMat4::IDENTITY,
+            ),
+            "area" | "egsm" => {
+                return Err(object.error(format!(
+                    "{} stands alone, expected it inside a shape",
+                    object.describe()
+                )));
             }
             _ => return Err(plugins::refuse(object)),
         };
+        let polarization = match kind {
+            // polarized by itself
+            Kind::RayleighSky(_) => None,
+            _ => Polarization::read(object, &placed)?,
+        };
         object.finish()?;
-        let surrounds = matches!(emitter, Emitter::Constant(_));
+        let emitter = Emitter { kind, polarization };
+        let surrounds = emitter.surrounds();
+        if surrounds && self.scene.environment.is_some() {
+            return Err(
+                object.error("second emitter that surrounds the scene, expected at most one")
+            );
+        }
         let index = self.add_emitter(emitter, object);
         if surrounds {
             self.scene.environment = Some(index);
         }
         Ok(())
+    }
+
+    /// A source that is a shape.
+    fn shining(&mut self, emitter: &Object, shape: &Object, body: Body) -> Result<u32, SceneError> {
+        let (kind, polarization) = match emitter.plugin.as_str() {
+            "area" => (
+                Kind::Area(Area::read(emitter, body)?),
+                Polarization::read(emitter, &shape.transform("to_world")?)?,
+            ),
+            "egsm" => {
+                let flat = match body {
+                    Body::Shape(index) => self.scene.shapes[index as usize]
+                        .outline()
+                        .map(|outline| (index, outline)),
+                    Body::Mesh(_) => None,
+                };
+                let (index, outline) = flat.ok_or_else(|| {
+                    emitter.error(format!(
+                        "{} inside {}, expected it inside a rectangle or a disk",
+                        emitter.describe(),
+                        shape.describe()
+                    ))
+                })?;
+                let schell = Schell::read(emitter, index, outline)?;
+                (Kind::Schell(Box::new(schell)), None)
+            }
+            plugin if plugins::supported(Tag::Emitter).contains(&plugin) => {
+                return Err(emitter.error(format!(
+                    "{} inside a shape, expected 'area' or 'egsm'",
+                    emitter.describe()
+                )));
+            }
+            _ => return Err(plugins::refuse(emitter)),
+        };
+        emitter.finish()?;
+        Ok(self.add_emitter(Emitter { kind, polarization }, emitter))
     }
 
     fn shape(&mut self, object: &Rc<Object>) -> Result<(), SceneError> {
@@ -206,20 +269,7 @@ impl Builder {
         };
         let body = self.body(object, emitter.is_some())?;
         let emitter = match emitter {
-            Some(emitter) if emitter.plugin == "area" => {
-                let area = Area::read(&emitter, body)?;
-                emitter.finish()?;
-                Some(self.add_emitter(Emitter::Area(area), &emitter))
-            }
-            Some(emitter)
-                if plugins::supported(Tag::Emitter).contains(&emitter.plugin.as_str()) =>
-            {
-                return Err(emitter.error(format!(
-                    "{} inside a shape, expected 'area'",
-                    emitter.describe()
-                )));
-            }
-            Some(emitter) => return Err(plugins::refuse(&emitter)),
+            Some(emitter) => Some(self.shining(&emitter, object, body)?),
             None => None,
         };
         let owner = Owner { material, emitter };

@@ -65,7 +65,16 @@ const KINDS: [Kind; 8] = [
     },
     Kind {
         tag: Tag::Emitter,
-        supported: &["area", "constant", "directional", "point", "spot"],
+        supported: &[
+            "area",
+            "constant",
+            "directional",
+            "egsm",
+            "laser",
+            "point",
+            "rayleighsky",
+            "spot",
+        ],
         missing: &[
             "directionalarea",
             "envmap",

@@ -202,9 +202,9 @@ impl Scene {
     /// Density of connections for a direction in which a ray has left the scene.
     #[inline]
     pub fn density_of_miss(&self, frame: &Frame, direction: Vec3A) -> f32 {
-        match self.environment.map(|e| &self.emitters[e as usize]) {
-            Some(Emitter::Constant(e)) => e.density(frame, direction) / self.emitters.len() as f32,
-            _ => 0.0,
-        }
+        self.environment.map_or(0.0, |e| {
+            let density = self.emitters[e as usize].density_of_miss(frame, direction);
+            density / self.emitters.len() as f32
+        })
     }
 }
