@@ -9,6 +9,7 @@
 
 use glam::{Vec3A, vec2};
 
+use super::witness::Witness;
 use super::{Behind, Walk};
 use crate::emitter::Emitter;
 use crate::emitter::patch::{Outline, Patch};
@@ -88,7 +89,7 @@ impl<L: Light> Way<L> {
     }
 }
 
-impl<'a, L: Light> Walk<'a, L> {
+impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
     /// The patch of a flat emitter that a way through specular matter has hit, as the vertex behind sees it.
     ///
     /// `None` where neighbouring rays go other ways, near a caustic, and for emitters that are not flat.
