@@ -11,7 +11,8 @@ use cpu_time::ProcessTime;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::values::{
-    Band, Crop, Define, Separation, Size, parse_duration, parse_error, parse_patch, parse_wavelength,
+    Band, Crop, Define, Separation, Size, parse_duration, parse_error, parse_patch,
+    parse_wavelength,
 };
 use super::{Failure, Outcome};
 use crate::engine::{self, Job, Limits, Progress, Rendering};
@@ -65,7 +66,12 @@ pub struct Args {
     patch: Option<f32>,
     /// Also the coherence of each pixel's light where it first meets matter that is not specular: ellipse, and degree at
     /// this separation toward image right, or right and up
-    #[arg(long, value_name = "10um[,5um]", allow_hyphen_values = true, conflicts_with = "mitsuba_channels")]
+    #[arg(
+        long,
+        value_name = "10um[,5um]",
+        allow_hyphen_values = true,
+        conflicts_with = "mitsuba_channels"
+    )]
     coherence: Option<Separation>,
     /// Generator of the random numbers
     #[arg(long, value_enum, default_value_t)]

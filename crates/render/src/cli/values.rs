@@ -247,7 +247,17 @@ mod tests {
         assert_eq!(separation("1 mm, -5 µm"), Ok([1e-3, -5.0 * 1e-6]));
         assert_eq!(separation("0,2cm"), Ok([0.0, 2.0 * 1e-2]));
         assert_eq!(separation("1nm"), Ok([1e-9, 0.0]));
-        for text in ["", "10", "0", "0,0", "1um,", "1um,2um,3um", "2m", "xum", "infm"] {
+        for text in [
+            "",
+            "10",
+            "0",
+            "0,0",
+            "1um,",
+            "1um,2um,3um",
+            "2m",
+            "xum",
+            "infm",
+        ] {
             assert!(
                 separation(text).is_err_and(|e| e.contains("such as 10um")),
                 "{text}"

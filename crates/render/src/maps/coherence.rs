@@ -175,8 +175,11 @@ pub(super) fn draw(scene: &Scene<'_>, map: &'static Map, kind: Kind) -> (Drawing
         Kind::Width => page.legends.push(scale.bar(title)),
         Kind::Degree => {
             let tick = |i: u32| (0.25 * f64::from(i), plain(0.25 * f64::from(i)));
-            page.legends
-                .push(Legend::bar("|γ(ξ)|", sequential, (0..=4).map(tick).collect()));
+            page.legends.push(Legend::bar(
+                "|γ(ξ)|",
+                sequential,
+                (0..=4).map(tick).collect(),
+            ));
             page.notes.push(match &scene.separation {
                 Some(separation) => format!("Separation ξ: {separation}."),
                 None => "The file does not tell the separation ξ.".to_owned(),
@@ -258,8 +261,8 @@ fn overlay(
                 .map(|mean| (centre, mean))
         })
         .collect();
-    let reference = percentile(means.iter().map(|(_, e)| e.major).collect(), 0.95)
-        .map_or(scale.high, round_up);
+    let reference =
+        percentile(means.iter().map(|(_, e)| e.major).collect(), 0.95).map_or(scale.high, round_up);
     let longest = 0.86 * (spacing * scene.scale) as f64;
     let width = (0.075 * longest).clamp(1.2, 6.0) as f32;
     for (centre, e) in &means {
