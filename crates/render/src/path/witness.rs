@@ -194,7 +194,14 @@ fn tangent([right, up]: [Vec3A; 2], normal: Vec3A) -> [Vec3A; 2] {
         .unwrap_or_else(|| across(up).normalize_or_zero());
     let second = normal.cross(first);
     // behind an odd number of mirrors the image is mirrored, and its up with it
-    [first, if second.dot(up) < 0.0 { -second } else { second }]
+    [
+        first,
+        if second.dot(up) < 0.0 {
+            -second
+        } else {
+            second
+        },
+    ]
 }
 
 impl Witness for Listener<'_> {
@@ -216,9 +223,7 @@ impl Witness for Listener<'_> {
     }
 
     fn hears(&mut self, light: &[Vec4], weight: f32, arrival: Option<(Vec3A, Coherence)>) {
-        let (direction, coherence) = arrival
-            .filter(|_| self.vertices == 1)
-            .unwrap_or(self.own);
+        let (direction, coherence) = arrival.filter(|_| self.vertices == 1).unwrap_or(self.own);
         let along = |v: Vec3A| {
             dvec2(
                 f64::from(v.dot(self.axes[0])),
@@ -239,5 +244,111 @@ impl Witness for Listener<'_> {
                     .add(w, theta * k, spread.map(|s| s * k * k), self.separation);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::emitter::patch::{Cut, Outline};
+
+    const K: f64 = 1.142e7;
+
+    fn view(direction: Vec3A) -> View {
+        View {
+            ray: Ray {
+                origin: Vec3A::ZERO,
+                direction,
+                t_max: f32::INFINITY,
+            },
+            right: Vec3A::X,
+            root: [Vec3A::X * 1e-3, Vec3A::Y * 2e-3],
+        }
+    }
+
+    /// A disk of angular diameter `a`, inclined to the plane below it, cut as finely as asked.
+    fn under_a_disk(a: f32, largest: f32, separation: [f64; 2]) -> (CoherenceEllipse, f64) {
+        let outline = Outline {
+            centre: Vec3A::Z,
+            half_u: Vec3A::X * (0.5 * a),
+            half_v: Vec3A::Y * (0.5 * a),
+            normal: Vec3A::NEG_Z,
+            round: true,
+            error: Vec3A::ZERO,
+        };
+        let cut = Cut::flat(outline, Vec3A::ZERO, largest).expect("from the front");
+        let lanes = [(K, 1.0)];
+        let mut listener = Listener::new(&view(Vec3A::NEG_Z), &lanes, separation);
+        listener.meets(Vec3A::Z, 1.0);
+        for patch in (0..cut.len()).map(|i| cut.patch(i)) {
+            let arrival = Some((patch.direction, patch.coherence()));
+            listener.hears(&[Vec4::X], patch.solid_angle, arrival);
+        }
+        listener.sums.coherence().expect("light")
+    }
+
+    #[test]
+    fn the_ellipse_does_not_depend_on_the_cut() {
+        let a = 0.02f32;
+        let radius = 4.0 / (K * f64::from(a));
+        // of one patch, and of about a thousand
+        for largest in [1.0, 0.003, 0.0006] {
+            let (ellipse, _) = under_a_disk(a, largest, [0.0; 2]);
+            // tangents for sines: a² of the spread
+            let off = [ellipse.semi_major, ellipse.semi_minor].map(|l| (l / radius - 1.0).abs());
+            assert!(off[0].max(off[1]) < 3e-4, "{largest}: {off:?}");
+        }
+        // u = 2: 2 J1(u)/u; of one patch it is the Gaussian of the same spread
+        let separation = [0.0, 4.0 / (K * f64::from(a))];
+        let (_, degree) = under_a_disk(a, 0.0006, separation);
+        assert!((degree - 0.576_724_8).abs() < 1e-3, "{degree}");
+        let (_, degree) = under_a_disk(a, 1.0, separation);
+        assert!((degree - (-0.5f64).exp()).abs() < 1e-3, "{degree}");
+    }
+
+    #[test]
+    fn later_vertices_do_not_count_and_the_index_does() {
+        let lanes = [(K, 1.0)];
+        let mut listener = Listener::new(&view(Vec3A::NEG_Z), &lanes, [0.0; 2]);
+        listener.meets(Vec3A::Z, 1.5);
+        let spread = |listener: &Listener<'_>| listener.sums.coherence().expect("light").0;
+        let tilt = |x: f32| Vec3A::new(x, 0.0, (1.0 - x * x).sqrt());
+        listener.hears(&[Vec4::X], 1.0, Some((tilt(0.01), Coherence::PLANE_WAVE)));
+        listener.departs(Vec3A::NEG_Z, tilt(-0.01), true);
+        listener.meets(Vec3A::X, 1.0);
+        // the direction at the second vertex is another matter
+        listener.hears(&[Vec4::X], 1.0, Some((Vec3A::Y, Coherence::PLANE_WAVE)));
+        let ellipse = spread(&listener);
+        // two directions ± 0.01 in a medium of index 1.5
+        assert!((ellipse.semi_minor * 1.5 * K * 0.01 - 1.0).abs() < 1e-5);
+        assert_eq!(ellipse.semi_major, f64::INFINITY);
+        assert!((ellipse.orientation - 0.5 * std::f64::consts::PI).abs() < 1e-9);
+    }
+
+    #[test]
+    fn axes_are_carried_through_mirrors_and_glass() {
+        let (from, to) = (
+            Vec3A::new(0.6, 0.0, -0.8),
+            Vec3A::new(0.28, 0.0, -0.96).normalize(),
+        );
+        for reflected in [false, true] {
+            let turned = carried(from, from, to, reflected);
+            assert!((turned - to).length() < 1e-6, "{reflected}: {turned}");
+            assert!((carried(Vec3A::Y, from, to, reflected) - Vec3A::Y).length() < 1e-6);
+        }
+        // seen from behind the right hand is left
+        let [first, second] = tangent([Vec3A::X, Vec3A::Y], Vec3A::new(0.0, -0.6, 0.8));
+        assert!((first - Vec3A::X).length() < 1e-6);
+        assert!((second - Vec3A::new(0.0, 0.8, 0.6)).length() < 1e-6);
+    }
+
+    #[test]
+    fn no_light_has_no_coherence_and_broken_samples_are_left_out() {
+        let mut sums = CoherenceSums::default();
+        assert_eq!(sums.coherence(), None);
+        let mut broken = sums;
+        broken.add(f64::NAN, DVec2::ZERO, [0.0; 3], DVec2::ZERO);
+        sums.merge(&broken);
+        assert_eq!(sums, CoherenceSums::default());
     }
 }
