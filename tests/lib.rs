@@ -69,6 +69,7 @@ impl Shot {
             mode: self.mode.clone(),
             polarized: self.polarized,
             follow_polarization: self.polarized,
+            coherence: None,
             samples: self.spp,
             seed: self.seed,
         }

@@ -3,11 +3,12 @@
 //! One module a plugin or a subject.
 
 mod birefringent;
-mod given_matrices;
-mod layered;
 mod clear_sky;
+mod coherence;
 mod egsm;
 mod emitters;
+mod given_matrices;
+mod layered;
 mod mueller;
 mod rhomb;
 mod through_plates;

@@ -9,11 +9,12 @@ use std::time::{Duration, Instant};
 use cpu_time::ProcessTime;
 use rayon::prelude::*;
 
-use crate::colour::sample_wavelength;
+use crate::colour::{rgb_weights, sample_wavelength};
 use crate::film::{FilmGeometry, PixelSums, SampleColours, SpectralMode, TileSums};
 use crate::filter::FilterSampler;
 use crate::geometry::bvh::Stack;
 use crate::light::{Intensity, Light, Polarized};
+use crate::path::witness::{CoherenceSums, Listener, View};
 use crate::path::{CameraSample, Counters, PathOptions, trace};
 use crate::sampler::SampleStream;
 use crate::scene::Scene;
@@ -36,6 +37,8 @@ pub struct Job {
     pub polarized: bool,
     /// Whether Stokes vectors are followed; where the scene makes no polarization S0 alone gives the same image.
     pub follow_polarization: bool,
+    /// Separation for the degree of coherence, metres toward image right and up; `None`: coherence is not asked for.
+    pub coherence: Option<[f64; 2]>,
     /// Samples a pixel.
     pub samples: u64,
     /// Seed of all random numbers.
@@ -111,6 +114,26 @@ impl Rendering {
         (means, variances)
     }
 
+    /// Coherence of the light of every pixel as in [`crate::image::StokesImage::coherence`], if it was asked for.
+    pub fn coherence(&self) -> Option<Vec<[f32; 4]>> {
+        let [width, height] = self.film.crop_size.map(|n| n as usize);
+        let mut all = vec![[f32::NAN; 4]; width * height];
+        let mut any = false;
+        for ((x, y), sums) in self.tiles.iter().flat_map(TileSums::coherence) {
+            any = true;
+            if let Some((ellipse, degree)) = sums.coherence() {
+                all[y as usize * width + x as usize] = [
+                    ellipse.semi_major,
+                    ellipse.semi_minor,
+                    ellipse.orientation,
+                    degree,
+                ]
+                .map(|v| v as f32);
+            }
+        }
+        any.then_some(all)
+    }
+
     /// √(mean variance of the mean)/mean S0, of the worst component.
     pub fn error(&self) -> f64 {
         let mut mean = 0.0;
@@ -155,7 +178,7 @@ pub fn render(
     let filter = FilterSampler::new(job.film.filter);
     let colours = job.mode.colours();
     let mut rendering = Rendering {
-        tiles: job.film.tiles(colours),
+        tiles: job.film.tiles(colours, job.coherence.is_some()),
         film: job.film.clone(),
         colours,
         polarized: job.polarized,
@@ -276,7 +299,10 @@ impl<'a, L: Light> Worker<'a, L> {
         for (x, y) in tile.pixels() {
             for sample in range.clone() {
                 colours.clear();
-                self.sample(x, y, sample, &mut colours, stack);
+                let coherence = self.sample(x, y, sample, &mut colours, stack);
+                if let Some(coherence) = coherence {
+                    tile.add_coherence(x, y, &coherence);
+                }
                 if !tile.add(x, y, &colours) {
                     rejected += 1;
                 }
@@ -285,7 +311,7 @@ impl<'a, L: Light> Worker<'a, L> {
         (self.counters, rejected)
     }
 
-    /// One camera sample of the pixel at (x, y) of the crop window.
+    /// One camera sample of the pixel at (x, y) of the crop window; also its coherence, if that is asked for.
     fn sample(
         &mut self,
         x: u32,
@@ -293,7 +319,7 @@ impl<'a, L: Light> Worker<'a, L> {
         sample: u64,
         colours: &mut SampleColours,
         stack: &mut Stack,
-    ) {
+    ) -> Option<CoherenceSums> {
         let job = self.job;
         let film = &job.film;
         let (column, row) = (x + film.crop_offset[0], y + film.crop_offset[1]);
@@ -306,18 +332,36 @@ impl<'a, L: Light> Worker<'a, L> {
         let film_y = self.filter.position(row, v, film.crop_offset[1], end[1]);
         let (ray, axis) = job.camera.ray(film_x, film_y);
         let [u, _] = stream.pair(2);
-        let mut path = |wavelengths: &[f32]| {
+        let mut ear = job.coherence.map(|separation| Ear {
+            job,
+            view: job.camera.view(column, row),
+            separation,
+            stream: SampleStream::new(!job.seed, pixel, sample),
+            sums: CoherenceSums::default(),
+        });
+        // weights are those of the wavelengths in the coherence
+        let mut path = |wavelengths: &[f32], weight: &dyn Fn(usize) -> f32| {
+            if let Some(ear) = &mut ear {
+                ear.listen::<L>(wavelengths, weight, stack, &mut self.counters);
+            }
             let camera = CameraSample {
                 ray,
                 axis,
                 wavelengths,
                 stream,
             };
-            trace::<L>(&job.scene, &job.paths, camera, stack, &mut self.counters)
+            trace::<L, ()>(
+                &job.scene,
+                &job.paths,
+                camera,
+                stack,
+                &mut self.counters,
+                &mut (),
+            )
         };
         match &job.mode {
             SpectralMode::Single(wavelength) => {
-                colours.add(0, path(&[*wavelength as f32]).as_ref()[0]);
+                colours.add(0, path(&[*wavelength as f32], &|_| 1.0).as_ref()[0]);
             }
             SpectralMode::Bands { from, to, count } => {
                 let width = (to - from) / *count as f64;
@@ -327,7 +371,9 @@ impl<'a, L: Light> Worker<'a, L> {
                         let band = (first + lane).min(count - 1);
                         (from + width * (band as f64 + f64::from(u))) as f32
                     });
-                    let seen = path(wavelengths.as_ref());
+                    let seen = path(wavelengths.as_ref(), &|lane| {
+                        f32::from(first + lane < *count)
+                    });
                     for (lane, stokes) in seen.as_ref().iter().enumerate().take(count - first) {
                         colours.add(first + lane, *stokes);
                     }
@@ -339,7 +385,9 @@ impl<'a, L: Light> Worker<'a, L> {
                 });
                 for drawn in drawn.chunks(L::LANES) {
                     let wavelengths = L::lanes(|lane| drawn[lane].0);
-                    let seen = path(wavelengths.as_ref());
+                    let seen = path(wavelengths.as_ref(), &|lane| {
+                        luminance(drawn[lane].0) / drawn[lane].1
+                    });
                     for (stokes, &(wavelength, density)) in seen.as_ref().iter().zip(drawn) {
                         let weight = (density * PER_SAMPLE as f32).recip();
                         colours.add_spectral(*stokes, wavelength, weight);
@@ -347,5 +395,55 @@ impl<'a, L: Light> Worker<'a, L> {
                 }
             }
         }
+        ear.map(|ear| ear.sums)
+    }
+}
+
+/// What the eye makes of a wavelength in nm, Rec. 709.
+fn luminance(wavelength: f32) -> f32 {
+    let [r, g, b] = rgb_weights(wavelength);
+    (0.2126 * r + 0.7152 * g + 0.0722 * b).max(0.0)
+}
+
+/// Listens for the coherence of a camera sample, along a path of its own from the middle of the pixel: over the whole
+/// pixel the light's mean direction varies, and that is not its coherence.
+struct Ear<'a> {
+    job: &'a Job,
+    view: View,
+    separation: [f64; 2],
+    stream: SampleStream,
+    sums: CoherenceSums,
+}
+
+impl Ear<'_> {
+    fn listen<L: Light>(
+        &mut self,
+        wavelengths: &[f32],
+        weight: &dyn Fn(usize) -> f32,
+        stack: &mut Stack,
+        counters: &mut Counters,
+    ) {
+        let lanes: [(f64, f64); PER_SAMPLE] = std::array::from_fn(|lane| {
+            wavelengths.get(lane).map_or((0.0, 0.0), |nm| {
+                let k = std::f64::consts::TAU / (f64::from(*nm) * 1e-9);
+                (k, f64::from(weight(lane)))
+            })
+        });
+        let mut listener = Listener::new(&self.view, &lanes, self.separation);
+        let camera = CameraSample {
+            ray: self.view.ray,
+            axis: self.view.right,
+            wavelengths,
+            stream: self.stream,
+        };
+        trace::<L, _>(
+            &self.job.scene,
+            &self.job.paths,
+            camera,
+            stack,
+            counters,
+            &mut listener,
+        );
+        self.sums.merge(&listener.sums);
     }
 }

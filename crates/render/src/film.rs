@@ -4,6 +4,7 @@ use glam::Vec4;
 
 use crate::colour::{FIRST_NM, LAST_NM, rgb_weights};
 use crate::filter::Filter;
+use crate::path::witness::CoherenceSums;
 
 /// Which wavelengths an image shows, and how many colours it has.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,14 +72,15 @@ pub struct FilmGeometry {
 const TILE: u32 = 16;
 
 impl FilmGeometry {
-    /// Memory that the sums take, bytes.
-    pub fn bytes(&self, colours: usize) -> u64 {
+    /// Memory that the sums take, bytes; with or without those of coherence.
+    pub fn bytes(&self, colours: usize, coherence: bool) -> u64 {
         let pixels = u64::from(self.crop_size[0]) * u64::from(self.crop_size[1]);
-        pixels * 8 * colours as u64 * size_of::<f64>() as u64
+        let stokes = 8 * colours as u64 * size_of::<f64>() as u64;
+        pixels * (stokes + u64::from(coherence) * size_of::<CoherenceSums>() as u64)
     }
 
     /// Empty tiles that cover the crop window.
-    pub fn tiles(&self, colours: usize) -> Vec<TileSums> {
+    pub fn tiles(&self, colours: usize, coherence: bool) -> Vec<TileSums> {
         let [width, height] = self.crop_size;
         let corners = (0..height)
             .step_by(TILE as usize)
@@ -86,10 +88,12 @@ impl FilmGeometry {
         corners
             .map(|[x, y]| {
                 let size = [TILE.min(width - x), TILE.min(height - y)];
+                let pixels = (size[0] * size[1]) as usize;
                 TileSums {
                     corner: [x, y],
                     size,
-                    sums: vec![0.0; (size[0] * size[1]) as usize * 8 * colours],
+                    sums: vec![0.0; pixels * 8 * colours],
+                    coherence: vec![CoherenceSums::default(); pixels * usize::from(coherence)],
                 }
             })
             .collect()
@@ -103,6 +107,8 @@ pub struct TileSums {
     size: [u32; 2],
     /// For each pixel `[component][colour]`, then the squares in the same order.
     sums: Vec<f64>,
+    /// For each pixel; empty if nobody asks for coherence.
+    coherence: Vec<CoherenceSums>,
 }
 
 /// The sums of one pixel.
@@ -123,7 +129,7 @@ impl TileSums {
             return false;
         }
         let colours = sample.values.len();
-        let pixel = ((y - self.corner[1]) * self.size[0] + (x - self.corner[0])) as usize;
+        let pixel = self.index(x, y);
         let sums = &mut self.sums[pixel * 8 * colours..][..8 * colours];
         for (colour, value) in sample.values.iter().enumerate() {
             for (component, x) in value.to_array().into_iter().enumerate() {
@@ -133,6 +139,25 @@ impl TileSums {
             }
         }
         true
+    }
+
+    #[inline]
+    fn index(&self, x: u32, y: u32) -> usize {
+        ((y - self.corner[1]) * self.size[0] + (x - self.corner[0])) as usize
+    }
+
+    /// Adds the coherence of a sample to a pixel of a film that has room for it.
+    #[inline]
+    pub fn add_coherence(&mut self, x: u32, y: u32, sample: &CoherenceSums) {
+        let pixel = self.index(x, y);
+        if let Some(sums) = self.coherence.get_mut(pixel) {
+            sums.merge(sample);
+        }
+    }
+
+    /// The coherence of each pixel, where it was asked for.
+    pub fn coherence(&self) -> impl Iterator<Item = ((u32, u32), &CoherenceSums)> {
+        self.pixels().zip(&self.coherence)
     }
 
     /// Visits all pixels.

@@ -71,6 +71,10 @@ pub struct StokesImage {
     pub stokes: Vec<f32>,
     /// Variance of each number of `stokes` as an estimate of the converged value; same layout.
     pub variance: Option<Vec<f32>>,
+    /// Coherence of each pixel's light where it first meets matter that is not specular, `[row][column]`: semi-axes of the
+    /// ellipse of separations over which it is coherent, the larger first, m; angle of the larger from image right
+    /// counter-clockwise, radians in `[0, π)`; degree of coherence at one separation. NaN without light.
+    pub coherence: Option<Vec<[f32; 4]>>,
     /// Free text that travels with the image in its file: scene, seed, samples, …
     pub metadata: BTreeMap<String, String>,
 }
@@ -86,6 +90,7 @@ impl StokesImage {
             colour,
             stokes: vec![0.0; count],
             variance: None,
+            coherence: None,
             metadata: BTreeMap::new(),
         }
     }
@@ -148,7 +153,16 @@ impl StokesImage {
             ));
         }
         let variances = self.variance.as_ref().map_or(expected, Vec::len);
-        (variances != expected).then(|| format!("{variances} variances, expected {expected}"))
+        if variances != expected {
+            return Some(format!("{variances} variances, expected {expected}"));
+        }
+        let (coherences, pixels) = (
+            self.coherence.as_ref().map(Vec::len),
+            self.width * self.height,
+        );
+        coherences
+            .filter(|&n| n != pixels)
+            .map(|n| format!("coherence of {n} pixels, expected {pixels}"))
     }
 
     fn gather(&self, data: &[f32], x: usize, y: usize, colour: usize) -> [f64; 4] {

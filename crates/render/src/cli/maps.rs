@@ -15,7 +15,7 @@ pub struct Args {
     /// Folder for the pictures, created where missing
     #[arg(short, long, default_value = ".", value_name = "DIR")]
     pub output: PathBuf,
-    /// Maps to draw, separated by commas; all where absent: s0, s1, s2, s3, dop, dolp, docp, aolp, aolp-dolp, ellipticity, type, ellipses
+    /// Maps to draw, separated by commas; all where absent: s0, s1, s2, s3, dop, dolp, docp, aolp, aolp-dolp, ellipticity, type, ellipses, coherence, coherence-degree, coherence-ellipses
     #[arg(long, value_delimiter = ',', value_name = "LIST")]
     pub maps: Vec<String>,
     /// Mask pixels darker than this times the mean S0

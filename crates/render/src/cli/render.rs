@@ -11,7 +11,8 @@ use cpu_time::ProcessTime;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::values::{
-    Band, Crop, Define, Size, parse_duration, parse_error, parse_patch, parse_wavelength,
+    Band, Crop, Define, Separation, Size, parse_duration, parse_error, parse_patch,
+    parse_wavelength,
 };
 use super::{Failure, Outcome};
 use crate::engine::{self, Job, Limits, Progress, Rendering};
@@ -63,6 +64,15 @@ pub struct Args {
     /// Half-width of emitter patches, in widths of the lobe that sees them; 0: plane waves [default: the scene's, or 0.5]
     #[arg(long, value_name = "R", value_parser = parse_patch)]
     patch: Option<f32>,
+    /// Also the coherence of each pixel's light where it first meets matter that is not specular: ellipse, and degree at
+    /// this separation toward image right, or right and up
+    #[arg(
+        long,
+        value_name = "10um[,5um]",
+        allow_hyphen_values = true,
+        conflicts_with = "mitsuba_channels"
+    )]
+    coherence: Option<Separation>,
     /// Generator of the random numbers
     #[arg(long, value_enum, default_value_t)]
     sampler: Generator,
@@ -155,6 +165,13 @@ fn map_options(args: &Args) -> Result<Option<MapOptions>, Failure> {
         args.maps.clone()
     };
     maps::check_names(&maps).map_err(failure)?;
+    if args.coherence.is_none()
+        && let Some(name) = maps.iter().find(|name| maps::needs_coherence(name))
+    {
+        return Err(Failure::Usage(format!(
+            "--maps: '{name}' needs coherence; ask for it by --coherence 10um"
+        )));
+    }
     Ok(Some(MapOptions {
         maps,
         ..MapOptions::default()
@@ -233,7 +250,7 @@ fn load(args: &Args) -> Result<(Job, Vec<String>), Failure> {
         SpectralMode::Single(args.wavelength.unwrap_or(550.0))
     };
     built.scene.check_wavelengths(mode.range()).map_err(wrong)?;
-    let bytes = film.bytes(mode.colours());
+    let bytes = film.bytes(mode.colours(), args.coherence.is_some());
     if bytes > MOST_MEMORY {
         return Err(Failure::Usage(format!(
             "{}: a film of {} x {} pixels with {} colours takes {:.1} GiB, expected at most {:.0}; --size or --crop make it smaller",
@@ -257,6 +274,7 @@ fn load(args: &Args) -> Result<(Job, Vec<String>), Failure> {
         mode,
         polarized: !args.unpolarized,
         follow_polarization: !args.unpolarized && needs.polarization(),
+        coherence: args.coherence.map(|separation| separation.0),
         samples: args.spp.unwrap_or(built.samples),
         seed: args.seed,
     };
@@ -318,6 +336,7 @@ fn to_image(args: &Args, job: &Job, rendering: &Rendering) -> StokesImage {
     image.stokes = means;
     // one sample has no variance
     image.variance = (rendering.samples > 1).then_some(variances);
+    image.coherence = rendering.coherence();
     image.metadata = metadata(args, job, rendering);
     image
 }
@@ -337,6 +356,12 @@ fn metadata(
     let since_epoch = SystemTime::now()
         .duration_since(UNIX_EPOCH)
         .map_or(0, |d| d.as_secs());
+    let coherence = job.coherence.map(|[x, y]| {
+        (
+            maps::SEPARATION,
+            format!("{x:e} m toward image right, {y:e} m toward image up"),
+        )
+    });
     [
         ("scene", args.scene.display().to_string()),
         ("seed", job.seed.to_string()),
@@ -349,6 +374,7 @@ fn metadata(
         ("renderSeconds", format!("{:.3}", rendering.wall.as_secs_f64())),
     ]
     .into_iter()
+    .chain(coherence)
     .map(|(key, value)| (key.to_owned(), value))
     .collect()
 }

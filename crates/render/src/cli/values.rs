@@ -118,6 +118,61 @@ pub fn parse_wavelength(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A separation in metres: `10um` toward image right, or `10um,5um` toward image right and up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Separation(pub [f64; 2]);
+
+impl FromStr for Separation {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || {
+            format!(
+                "'{text}', expected a separation from 1nm to 1m such as 10um, or 10um,-5um toward image right and up"
+            )
+        };
+        let lengths: Vec<f64> = text
+            .split(',')
+            .map(length)
+            .collect::<Option<_>>()
+            .ok_or_else(wrong)?;
+        let separation = match lengths[..] {
+            [x] => [x, 0.0],
+            [x, y] => [x, y],
+            _ => return Err(wrong()),
+        };
+        // a rounding error beyond the ends is theirs
+        let long = separation[0].hypot(separation[1]);
+        if (0.999_999e-9..=1.000_001).contains(&long) {
+            Ok(Self(separation))
+        } else {
+            Err(wrong())
+        }
+    }
+}
+
+/// A length with its unit, in metres; 0 needs none.
+fn length(text: &str) -> Option<f64> {
+    let text = text.trim();
+    if text == "0" {
+        return Some(0.0);
+    }
+    let units = [
+        ("nm", 1e-9),
+        ("um", 1e-6),
+        ("µm", 1e-6),
+        ("μm", 1e-6),
+        ("mm", 1e-3),
+        ("cm", 1e-2),
+        ("m", 1.0),
+    ];
+    let (number, factor) = units
+        .iter()
+        .find_map(|(unit, factor)| text.strip_suffix(unit).map(|number| (number, *factor)))?;
+    let value: f64 = number.trim().parse().ok()?;
+    value.is_finite().then_some(value * factor)
+}
+
 /// A time from `60s`, `60`, `2m`, `1h`, `500ms`.
 pub fn parse_duration(text: &str) -> Result<Duration, String> {
     let text = text.trim();
@@ -183,6 +238,31 @@ mod tests {
                 value: "b=c".into()
             })
         );
+    }
+
+    #[test]
+    fn separations_are_read_in_their_units() {
+        let separation = |text: &str| text.parse::<Separation>().map(|s| s.0);
+        assert_eq!(separation("10um"), Ok([10.0 * 1e-6, 0.0]));
+        assert_eq!(separation("1 mm, -5 µm"), Ok([1e-3, -5.0 * 1e-6]));
+        assert_eq!(separation("0,2cm"), Ok([0.0, 2.0 * 1e-2]));
+        assert_eq!(separation("1nm"), Ok([1e-9, 0.0]));
+        for text in [
+            "",
+            "10",
+            "0",
+            "0,0",
+            "1um,",
+            "1um,2um,3um",
+            "2m",
+            "xum",
+            "infm",
+        ] {
+            assert!(
+                separation(text).is_err_and(|e| e.contains("such as 10um")),
+                "{text}"
+            );
+        }
     }
 
     #[test]

@@ -531,4 +531,24 @@ mod tests {
         let sum: f32 = (0..cone.len()).map(|i| cone.patch(i).solid_angle).sum();
         assert!((sum / (TAU * 0.01) - 1.0).abs() < 1e-5);
     }
+
+    #[test]
+    fn borders_and_points_just_beyond_belong_to_a_patch() {
+        for round in [false, true] {
+            for largest in [1.0, 0.1, 0.02, 0.0] {
+                let cells = cut(round, largest).cells;
+                let ends = [-1.000_001, -1.0, -0.5, 0.0, -0.0, 0.5, 1.0, 1.000_001];
+                for (x, y) in ends.iter().flat_map(|x| ends.map(|y| (*x, y))) {
+                    assert!(cells.find(vec2(x, y)) < cells.len(), "{cells:?} {x} {y}");
+                }
+                assert!(cells.find(Vec2::NAN) < cells.len());
+                // from the inside a border belongs to its own cell, but for rounding
+                for index in (0..cells.len()).step_by(1 + cells.len() as usize / 50) {
+                    for u in [[0.01, 0.5], [0.99, 0.5], [0.5, 0.01], [0.5, 0.99]] {
+                        assert_eq!(cells.find(cells.point(index, u)), index, "{cells:?} {u:?}");
+                    }
+                }
+            }
+        }
+    }
 }

@@ -163,9 +163,9 @@ impl Bvh {
         }
         let stack = &mut stack.0[..];
         let shear = Shear::new(ray);
-        // adding 0 makes +0 of −0, whose reciprocal would lie on the other side
-        let inverse = (ray.direction + Vec3A::ZERO).recip();
-        let far_side = ray.direction.cmpge(Vec3A::ZERO).bitmask() as usize;
+        let inverse = ray.direction.recip();
+        // of the inverse: that of −0 is −∞
+        let far_side = inverse.cmpge(Vec3A::ZERO).bitmask() as usize;
         let side = [far_side & 1, far_side >> 1 & 1, far_side >> 2 & 1];
         let origin = [
             Vec4::splat(ray.origin.x),

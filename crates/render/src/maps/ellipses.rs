@@ -25,19 +25,12 @@ const LEAST_FULL_SIZE: f64 = 0.02;
 /// Distance of ellipses in picture pixels where none is asked for.
 const COMFORTABLE: f64 = 30.0;
 const LINEAR: Rgb = [255, 255, 255];
-const HALO: Rgb = [12, 14, 20];
+pub(super) const HALO: Rgb = [12, 14, 20];
 
 /// The ellipses of an image, in pixels from the picture's corner.
 pub(super) fn overlay(scene: &Scene<'_>) -> Overlay {
-    let m = &scene.measured;
-    // large pictures have larger ellipses, so that they survive being shown small
-    let page = (m.width.max(m.height) * scene.scale) as f64;
-    let comfortable = COMFORTABLE * (page / 800.0).max(1.0).sqrt();
-    let spacing = scene
-        .options
-        .ellipse_spacing
-        .unwrap_or(((comfortable / scene.scale as f64).round() as usize).max(1));
-    let squares = squares(scene, spacing);
+    let (spacing, grid) = grid(scene);
+    let squares = squares(scene, grid);
     let degrees = squares
         .iter()
         .map(|(_, s)| s.degree_of_polarization())
@@ -75,9 +68,19 @@ pub(super) fn overlay(scene: &Scene<'_>) -> Overlay {
     }
 }
 
-/// Centres in image pixels and mean Stokes vectors of the squares that are not mostly masked.
-fn squares(scene: &Scene<'_>, spacing: usize) -> Vec<([f64; 2], StokesVector)> {
+/// A square of pixels: its centre, and the indices of the pixels.
+type Square = ([f64; 2], Vec<usize>);
+
+/// The squares that have an ellipse each, and the length of their sides.
+pub(super) fn grid(scene: &Scene<'_>) -> (usize, Vec<Square>) {
     let m = &scene.measured;
+    // large pictures have larger ellipses, so that they survive being shown small
+    let page = (m.width.max(m.height) * scene.scale) as f64;
+    let comfortable = COMFORTABLE * (page / 800.0).max(1.0).sqrt();
+    let spacing = scene
+        .options
+        .ellipse_spacing
+        .unwrap_or(((comfortable / scene.scale as f64).round() as usize).max(1));
     // the grid is centred: what is left over is shared by both rims
     let first = |n: usize| if n >= spacing { n % spacing / 2 } else { 0 };
     let count = |n: usize| (n / spacing).max(1);
@@ -87,16 +90,26 @@ fn squares(scene: &Scene<'_>, spacing: usize) -> Vec<([f64; 2], StokesVector)> {
             let (x0, y0) = (first(m.width) + i * spacing, first(m.height) + j * spacing);
             let (x1, y1) = ((x0 + spacing).min(m.width), (y0 + spacing).min(m.height));
             let pixels = (y0..y1).flat_map(|y| (x0..x1).map(move |x| y * m.width + x));
-            let bright: Vec<usize> = pixels.filter(|&p| !m.masked[p]).collect();
-            if 2 * bright.len() >= (x1 - x0) * (y1 - y0) {
-                let sum = bright
-                    .iter()
-                    .fold(StokesVector::DARK, |sum, &p| sum + m.stokes[p]);
-                out.push(([(x0 + x1) as f64 / 2.0, (y0 + y1) as f64 / 2.0], sum));
-            }
+            let centre = [(x0 + x1) as f64 / 2.0, (y0 + y1) as f64 / 2.0];
+            out.push((centre, pixels.collect()));
         }
     }
-    out
+    (spacing, out)
+}
+
+/// Centres in image pixels and mean Stokes vectors of the squares that are not mostly masked.
+fn squares(scene: &Scene<'_>, grid: Vec<Square>) -> Vec<([f64; 2], StokesVector)> {
+    let m = &scene.measured;
+    let mean = |(centre, pixels): Square| {
+        let bright: Vec<usize> = pixels.iter().copied().filter(|&p| !m.masked[p]).collect();
+        (2 * bright.len() >= pixels.len()).then(|| {
+            let sum = bright
+                .iter()
+                .fold(StokesVector::DARK, |sum, &p| sum + m.stokes[p]);
+            (centre, sum)
+        })
+    };
+    grid.into_iter().filter_map(mean).collect()
 }
 
 struct Pen {

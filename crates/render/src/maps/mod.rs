@@ -10,6 +10,7 @@ use stokes::StokesVector;
 use crate::image::StokesImage;
 use crate::output::{self, ImageError};
 
+mod coherence;
 mod colours;
 mod drawing;
 mod ellipses;
@@ -22,6 +23,7 @@ mod raster;
 mod report;
 mod svg;
 
+pub use coherence::SEPARATION;
 pub use colours::HandednessColours;
 pub use measure::{ColourChoice, Statistics};
 pub use report::{MapReport, MapRow};
@@ -75,6 +77,17 @@ enum Style {
     WeightedHue,
     Kind,
     Ellipses,
+    Coherence(coherence::Kind),
+}
+
+impl Style {
+    /// Whether shapes lie over the intensity: such maps are written as SVG too, and have no numbers.
+    fn is_overlay(self) -> bool {
+        matches!(
+            self,
+            Self::Ellipses | Self::Coherence(coherence::Kind::Ellipses)
+        )
+    }
 }
 
 /// What an angle needs to have a meaning.
@@ -103,7 +116,7 @@ fn per_s0(component: f64, s: &StokesVector) -> f64 {
 
 /// All maps, in the order in which they are made.
 #[rustfmt::skip]
-pub static TABLE: [Map; 12] = [
+pub static TABLE: [Map; 15] = [
     Map { name: "s0", title: "Intensity", formula: "S0", channels: &["S0"], unit: "as the image",
           range: Range::Tone, style: Style::Tone, planes: &[StokesVector::intensity], needs: None },
     Map { name: "s1", title: "Horizontal minus vertical", formula: "S1/S0", channels: &["s1"], unit: "1",
@@ -128,6 +141,12 @@ pub static TABLE: [Map; 12] = [
           range: Range::Fixed(0.0, FULL), style: Style::Kind, planes: &[CHI, DOP], needs: None },
     Map { name: "ellipses", title: "Polarization ellipses", formula: "over the intensity; each ellipse the mean of its square", channels: &[], unit: "",
           range: Range::Tone, style: Style::Ellipses, planes: &[], needs: None },
+    Map { name: "coherence", title: "Radius of coherence", formula: "√(a b) of the coherence ellipse", channels: &["radius"], unit: "m",
+          range: Range::Tone, style: Style::Coherence(coherence::Kind::Width), planes: &[], needs: None },
+    Map { name: "coherence-degree", title: "Degree of coherence", formula: "|γ(ξ)| at one separation", channels: &["degree"], unit: "1",
+          range: Range::Fixed(0.0, 1.0), style: Style::Coherence(coherence::Kind::Degree), planes: &[], needs: None },
+    Map { name: "coherence-ellipses", title: "Coherence ellipses", formula: "over the intensity; |γ| falls to e^(−½) on the ellipse", channels: &[], unit: "m",
+          range: Range::Tone, style: Style::Coherence(coherence::Kind::Ellipses), planes: &[], needs: None },
 ];
 
 /// What to draw, and how.
@@ -168,7 +187,7 @@ impl Default for MapOptions {
 
 /// Writes the maps of an image as `STEM_NAME.png` into a folder, with `STEM_maps.json` beside them.
 ///
-/// `ellipses` is written as SVG too. The folder is created where it is missing.
+/// Ellipses are written as SVG too. The folder is created where it is missing.
 ///
 /// # Errors
 /// A map's name is unknown or the image cannot have it, an option does not fit the image, or a file cannot be written.
@@ -197,7 +216,7 @@ pub fn write_all(
             "png",
             &raster::png(&drawing).map_err(ImageError::Request)?,
         )?);
-        if map.style == Style::Ellipses {
+        if map.style.is_overlay() {
             save(
                 "svg",
                 svg::svg(&drawing).map_err(ImageError::Request)?.as_bytes(),
@@ -229,7 +248,11 @@ pub fn check_names(names: &[String]) -> Result<(), ImageError> {
 
 /// The maps of that name, or all that the image allows.
 fn chosen(image: &StokesImage, names: &[String]) -> Result<Vec<&'static Map>, ImageError> {
-    let possible = |map: &Map| image.components == 4 || map.style == Style::Tone;
+    let possible = |map: &Map| match map.style {
+        Style::Coherence(_) => image.coherence.is_some(),
+        Style::Tone => true,
+        _ => image.components == 4,
+    };
     if names.is_empty() {
         return Ok(TABLE.iter().filter(|map| possible(map)).collect());
     }
@@ -238,11 +261,21 @@ fn chosen(image: &StokesImage, names: &[String]) -> Result<Vec<&'static Map>, Im
         if possible(map) {
             return Ok(map);
         }
+        if needs_coherence(name) {
+            return Err(ImageError::Request(format!(
+                "the image has no coherence, map '{name}' needs it; render it with --coherence 10um"
+            )));
+        }
         Err(ImageError::Request(format!(
             "the image has S0 only, map '{name}' needs S1 to S3; render it without --unpolarized"
         )))
     };
     names.iter().map(find).collect()
+}
+
+/// Whether a map draws the coherence of an image, which is rendered only on request.
+pub fn needs_coherence(name: &str) -> bool {
+    named(name).is_ok_and(|map| matches!(map.style, Style::Coherence(_)))
 }
 
 fn named(name: &str) -> Result<&'static Map, ImageError> {

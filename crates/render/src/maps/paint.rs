@@ -9,7 +9,10 @@ use super::measure::{Measured, Statistics, percentile};
 use super::numbers::{percent, plain, round_up, two_digits};
 use super::page::Page;
 use super::report::{FRAME, HANDEDNESS, MapReport, MapRow};
-use super::{FULL, LEAST_DEGREE, Map, MapOptions, Needs, Observable, Range, Style, ellipses};
+use super::{
+    FULL, LEAST_DEGREE, Map, MapOptions, Needs, Observable, Range, SEPARATION, Style, coherence,
+    ellipses,
+};
 use crate::image::StokesImage;
 use crate::output::{ImageError, display};
 
@@ -24,6 +27,10 @@ pub(super) struct Scene<'a> {
     pub(super) exposure: f64,
     /// How many picture pixels one image pixel is wide.
     pub(super) scale: usize,
+    /// As [`StokesImage::coherence`].
+    pub(super) coherence: Option<Vec<[f32; 4]>>,
+    /// Of the degree of coherence, in words.
+    pub(super) separation: Option<String>,
     stem: &'a str,
     intensity: [Vec<f32>; 3],
 }
@@ -67,6 +74,8 @@ impl<'a> Scene<'a> {
             scale: ((READABLE as f64 / longest as f64).round() as usize).clamp(1, 64),
             measured,
             options,
+            coherence: image.coherence.clone(),
+            separation: image.metadata.get(SEPARATION).cloned(),
             stem,
             intensity,
         })
@@ -92,6 +101,9 @@ impl<'a> Scene<'a> {
 
     /// Draws one map; the row lacks only the names of files.
     pub(super) fn draw(&self, map: &'static Map) -> (Drawing, MapRow) {
+        if let Style::Coherence(kind) = map.style {
+            return coherence::draw(self, map, kind);
+        }
         let limits = self.limits(map);
         let clipped = limits
             .filter(|_| map.range != Range::Tone)
@@ -128,6 +140,9 @@ impl<'a> Scene<'a> {
 
     /// The map's numbers: shape and values; NaN where masked.
     pub(super) fn data(&self, map: &Map) -> (Vec<u64>, Vec<f32>) {
+        if let Style::Coherence(kind) = map.style {
+            return coherence::data(self, kind);
+        }
         let m = &self.measured;
         let mut shape = vec![m.height as u64, m.width as u64];
         if map.planes.len() > 1 {
@@ -209,7 +224,7 @@ impl<'a> Scene<'a> {
     fn picture(&self, map: &Map, limits: Option<(f64, f64)>) -> Picture {
         let (w, h) = (self.measured.width, self.measured.height);
         if map.style == Style::Ellipses {
-            return Picture::from_fn(w, h, |x, y| self.tone(y * w + x));
+            return self.tones();
         }
         let (low, high) = limits.unwrap_or((0.0, 1.0));
         let full = self.full_brightness(map).unwrap_or(1.0);
@@ -218,7 +233,7 @@ impl<'a> Scene<'a> {
                 let s = &self.measured.stokes[pixel];
                 let weight = map.planes.get(1).map_or(1.0, |degree| degree(s) / full);
                 match map.style {
-                    Style::Tone | Style::Ellipses => self.tone(pixel),
+                    Style::Tone | Style::Ellipses | Style::Coherence(_) => self.tone(pixel),
                     _ => styled(
                         map.style,
                         map.planes[0](s),
@@ -234,6 +249,12 @@ impl<'a> Scene<'a> {
         Picture::from_fn(w * scale, h * scale, |x, y| {
             colours[y / scale * w + x / scale].unwrap_or_else(|| stripes(x, y, 5))
         })
+    }
+
+    /// The tone-mapped intensity.
+    pub(super) fn tones(&self) -> Picture {
+        let (w, h) = (self.measured.width, self.measured.height);
+        Picture::from_fn(w, h, |x, y| self.tone(y * w + x))
     }
 
     /// The tone-mapped intensity of a pixel.
@@ -276,7 +297,7 @@ impl<'a> Scene<'a> {
             Style::Hue => vec![Legend::wheel("AoLP", |angle, _| hue(angle, 1.0), None)],
             Style::WeightedHue => vec![Legend::wheel("AoLP × DoLP", hue, Some(full))],
             Style::Kind => vec![Legend::patch("|χ| and DoP", kind, full)],
-            Style::Ellipses => Vec::new(),
+            Style::Ellipses | Style::Coherence(_) => Vec::new(),
         };
         if (0..self.measured.stokes.len()).any(|pixel| !self.shown(map, pixel)) {
             let what = match map.needs {
@@ -288,7 +309,7 @@ impl<'a> Scene<'a> {
         out
     }
 
-    fn subtitle(&self, map: &Map) -> String {
+    pub(super) fn subtitle(&self, map: &Map) -> String {
         let m = &self.measured;
         let colour = if m.colour.is_empty() {
             String::new()
@@ -386,7 +407,7 @@ fn styled(
 ) -> Rgb {
     let t = (value - low) / (high - low);
     match style {
-        Style::Tone | Style::Ellipses => [srgb(t); 3],
+        Style::Tone | Style::Ellipses | Style::Coherence(_) => [srgb(t); 3],
         Style::Sequential => sequential(t),
         Style::Diverging => diverging(t),
         Style::Handed => handed(t, hands),

@@ -5,6 +5,7 @@
 //! colour           S0.R … S3.B           S0.var.R … S3.var.B        (Mitsuba's names)
 //! bands            S0.550,000000nm …     S0.var.550,000000nm …      (Fichet et al. 2021, JCGT 10(3))
 //! copies of S0     R G B, for readers that know plain colour only
+//! coherence        coherence.major, .minor (m), .angle (rad), .degree: one number a pixel, whatever the colours
 //! ```
 //!
 //! Wavelengths carry six decimals with a comma, since a dot separates layers in EXR.
@@ -32,6 +33,14 @@ pub(super) enum Part {
     /// `S0.550,000000nm`.
     Wavelength(f64),
 }
+
+/// The channels of coherence, in the order of [`crate::image::StokesImage::coherence`].
+pub(super) const COHERENCE: [&str; 4] = [
+    "coherence.major",
+    "coherence.minor",
+    "coherence.angle",
+    "coherence.degree",
+];
 
 /// The name under which we write a channel.
 pub(super) fn name(component: usize, variance: bool, colour: &Colour, index: usize) -> String {

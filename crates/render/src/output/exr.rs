@@ -138,6 +138,14 @@ fn planes(image: &StokesImage) -> std::result::Result<Planes, String> {
         }
     }
     out.extend(plain_rgb(image));
+    if let Some(coherence) = &image.coherence {
+        out.extend(
+            channels::COHERENCE
+                .iter()
+                .enumerate()
+                .map(|(k, name)| ((*name).to_owned(), coherence.iter().map(|c| c[k]).collect())),
+        );
+    }
     Ok(out)
 }
 
@@ -317,6 +325,19 @@ fn decode(bytes: &[u8]) -> std::result::Result<StokesImage, String> {
         }
     }
     out.variance = has_variance.then_some(variance);
+    let at = channels::COHERENCE.map(|name| names.iter().position(|other| other == name));
+    if let [Some(_), Some(_), Some(_), Some(_)] = at {
+        let mut coherence = vec![[0.0; 4]; width * height];
+        for (k, at) in at.into_iter().flatten().enumerate() {
+            scatter(
+                &image.layer_data.channel_data.list[at].sample_data,
+                coherence.as_flattened_mut(),
+                k,
+                4,
+            );
+        }
+        out.coherence = Some(coherence);
+    }
     if metadata
         .remove(HANDEDNESS)
         .is_some_and(|h| h.eq_ignore_ascii_case("left"))

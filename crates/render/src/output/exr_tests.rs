@@ -34,6 +34,41 @@ fn there_and_back(image: &StokesImage, options: &WriteOptions) -> StokesImage {
 }
 
 #[test]
+fn coherence_comes_back_bit_by_bit() {
+    let mut image = specimen(Colour::Rgb);
+    let coherence: Vec<[f32; 4]> = (0..37 * 21)
+        .map(|i| [1e-5 * i as f32, 1e-6, 0.004 * i as f32, 0.5])
+        .collect();
+    image.coherence = Some(coherence.clone());
+    let back = there_and_back(&image, &WriteOptions::default());
+    assert_eq!(back, image);
+    image.coherence = Some(vec![[f32::NAN, f32::INFINITY, 0.0, -0.0]; 37 * 21]);
+    let back = there_and_back(&image, &WriteOptions::default());
+    assert_eq!(
+        bits(back.coherence.unwrap().as_flattened()),
+        bits(image.coherence.as_ref().unwrap().as_flattened())
+    );
+    // Mitsuba has no such channels
+    let mitsuba = WriteOptions {
+        mitsuba_channels: true,
+    };
+    assert_eq!(there_and_back(&image, &mitsuba).coherence, None);
+    image.coherence = Some(coherence[1..].to_vec());
+    let folder = tempfile::tempdir().unwrap();
+    let error = write(
+        &folder.path().join("a.exr"),
+        &image,
+        &WriteOptions::default(),
+    )
+    .unwrap_err()
+    .to_string();
+    assert!(
+        error.ends_with("coherence of 776 pixels, expected 777"),
+        "{error}"
+    );
+}
+
+#[test]
 fn every_layout_comes_back_bit_by_bit() {
     let bands = Colour::Bands {
         wavelengths_nm: vec![400.0, 550.125, 1064.5],

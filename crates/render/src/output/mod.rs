@@ -81,6 +81,8 @@ pub fn read(path: &Path) -> Result<StokesImage, ImageError> {
 
 /// Writes a Stokes image as EXR or, without variances and metadata, as `.npy`; the extension decides.
 ///
+/// The coherence of an image goes into the EXR, or beside `NAME.npy` as `NAME_coherence.npy`.
+///
 /// # Errors
 /// The folder or the file cannot be written, the extension is another, or the image's sizes do not fit together.
 pub fn write(path: &Path, image: &StokesImage, options: &WriteOptions) -> Result<(), ImageError> {
@@ -89,7 +91,11 @@ pub fn write(path: &Path, image: &StokesImage, options: &WriteOptions) -> Result
     }
     match extension(path).as_str() {
         "exr" => exr::write(path, image, options),
-        "npy" => npy::write(path, image),
+        "npy" => {
+            npy::write(path, image)?;
+            let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+            npy::write_coherence(&path.with_file_name(format!("{stem}_coherence.npy")), image)
+        }
         _ => Err(unknown_extension(path, "'.exr' or '.npy'")),
     }
 }

@@ -6,6 +6,7 @@
 //!        (H, W, 4, 3)   read too: only n = 4 could be mistaken, and then the component is last
 //! .npz   S (H, W, 4) or (H, W, 4, n): the colour last     read only
 //!        stderr         standard errors of S, same shape
+//!        coherence      (H, W, 4): semi-axes, angle and degree, as in the EXR channels of that name
 //!        meta           JSON object as a string
 //! ```
 //!
@@ -27,7 +28,7 @@ const MOST_NUMBERS: u64 = 1 << 32;
 
 /// Writes the numbers of an image as `.npy`: (H, W, 4), or (H, W, n, 4) for colours and bands.
 ///
-/// The last axis has length 1 where only S0 was rendered. Variances and metadata are left out.
+/// The last axis has length 1 where only S0 was rendered. Variances, coherence and metadata are left out.
 ///
 /// # Errors
 /// The file cannot be written.
@@ -46,6 +47,21 @@ pub fn write(path: &Path, image: &StokesImage) -> Result<(), ImageError> {
         &shape,
         &transposed(&image.stokes, image.components, colours),
     )
+}
+
+/// Writes the coherence of an image, if it has any, as an array (H, W, 4).
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_coherence(path: &Path, image: &StokesImage) -> Result<(), ImageError> {
+    if let Some(problem) = image.inconsistency() {
+        return Err(ImageError::content(path, problem));
+    }
+    let Some(coherence) = &image.coherence else {
+        return Ok(());
+    };
+    let shape = [image.height as u64, image.width as u64, 4];
+    write_array(path, &shape, coherence.as_flattened())
 }
 
 /// Writes an array of any shape as `.npy`, 32-bit floats, rows first.
@@ -95,6 +111,7 @@ pub fn read_npz(path: &Path, key: &str) -> Result<StokesImage, ImageError> {
                 .transpose()
         };
         let stderr = numbers("stderr")?;
+        let coherence = numbers("coherence")?;
         let stokes = match numbers(key)? {
             Some(array) => Some(array),
             None => numbers("S")?,
@@ -112,6 +129,16 @@ pub fn read_npz(path: &Path, key: &str) -> Result<StokesImage, ImageError> {
                 );
             }
             image.variance = Some(stderr.stokes.iter().map(|e| e * e).collect());
+        }
+        if let Some(array) = coherence {
+            if array.shape != [image.height, image.width, 4] {
+                return Err(format!(
+                    "array 'coherence' has shape {:?}, expected {:?}",
+                    array.shape,
+                    [image.height, image.width, 4]
+                ));
+            }
+            image.coherence = Some(array.values.as_chunks::<4>().0.to_vec());
         }
         let meta = archive
             .by_name("meta")
@@ -241,6 +268,7 @@ fn image_of(array: Array, colour_last: bool) -> Result<StokesImage, String> {
             transposed(&values, colours, components)
         },
         variance: None,
+        coherence: None,
         metadata: BTreeMap::new(),
     };
     image.inconsistency().map_or(Ok(image), Err)

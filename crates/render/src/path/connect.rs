@@ -2,6 +2,7 @@
 
 use glam::Vec3A;
 
+use super::witness::Witness;
 use super::{PathOptions, Walk, power_heuristic};
 use crate::coherence::Coherence;
 use crate::emitter::patch::Cut;
@@ -45,11 +46,12 @@ struct Arrival<'a, L: Light> {
     emission: Emission<L>,
     /// Toward the centre of what is averaged: the light comes along `−direction`.
     direction: Vec3A,
+    coherence: Coherence,
     weight: f32,
     patch: Option<(Cut<'a>, u32)>,
 }
 
-impl<'a, L: Light> Walk<'a, L> {
+impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
     /// Adds the light of one emitter, chosen with probability `chosen`.
     #[inline]
     pub(super) fn connect(
@@ -98,6 +100,7 @@ impl<'a, L: Light> Walk<'a, L> {
             response,
             emission: emitter.emit(-connection.direction, source, self.wavelengths),
             direction: connection.direction,
+            coherence: connection.coherence,
             weight: share * connection.weight / density,
             patch: None,
         };
@@ -155,6 +158,7 @@ impl<'a, L: Light> Walk<'a, L> {
             response,
             emission: emitter.emit(-patch.direction, patch.centre, self.wavelengths),
             direction: patch.direction,
+            coherence: patch.coherence(),
             weight: share / density,
             patch: Some((cut, index)),
         })
@@ -198,6 +202,7 @@ impl<'a, L: Light> Walk<'a, L> {
                     response,
                     emission,
                     direction: patch.direction,
+                    coherence: patch.coherence(),
                     weight: patch.solid_angle,
                     patch: Some((cut, index)),
                 });
@@ -222,13 +227,14 @@ impl<'a, L: Light> Walk<'a, L> {
     ) {
         let o = place.vertex.frame.to_world(place.vertex.o);
         let k = -arrival.direction;
+        let source = Some((arrival.direction, arrival.coherence));
         if !self.scene.traits().straight {
             self.counters.rays += 1;
             let ray = Scene::shadow_ray(place.surface, direction, target.as_ref());
             if self.scene.is_free(&ray, self.stack) {
                 let light =
                     L::collect_through(throughput, arrival.response, o, &arrival.emission, k);
-                L::accumulate(&mut self.seen, light, arrival.weight);
+                self.add_light(light, arrival.weight, source);
             }
             return;
         }
@@ -240,7 +246,7 @@ impl<'a, L: Light> Walk<'a, L> {
                     L::collect_through(&before, passage, k, &arrival.emission, k)
                 }
             };
-            L::accumulate(&mut self.seen, light, arrival.weight);
+            self.add_light(light, arrival.weight, source);
         }
     }
 

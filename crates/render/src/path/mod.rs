@@ -8,10 +8,13 @@
 //! few all of them are summed and only visibility is left to chance. Rays that hit a patch use the same average, and
 //! the weights of both are constant on a patch, so that the expected image does not depend on the cut.
 //!
-//! `connect.rs` looks for light from a vertex, `way.rs` follows specular matter.
+//! `connect.rs` looks for light from a vertex, `hit.rs` takes what a ray has met, `way.rs` follows specular matter, `witness.rs`
+//! asks where the light came from.
 
 mod connect;
+mod hit;
 mod way;
+pub mod witness;
 
 use glam::Vec3A;
 
@@ -24,6 +27,7 @@ use crate::material::{Departure, Material, Matter, Part, Vertex};
 use crate::sampler::SampleStream;
 use crate::scene::{Encounter, Scene};
 use way::Way;
+use witness::Witness;
 
 /// Length of paths and how they end.
 #[derive(Clone, Copy, Debug)]
@@ -89,39 +93,42 @@ pub struct CameraSample<'a> {
 }
 
 /// One camera sample on its way.
-struct Walk<'a, L: Light> {
+struct Walk<'a, L: Light, W: Witness> {
     scene: &'a Scene,
     options: &'a PathOptions,
     wavelengths: &'a [f32],
     stream: SampleStream,
     stack: &'a mut Stack,
     counters: &'a mut Counters,
+    witness: &'a mut W,
     seen: L::Stokes,
 }
 
-/// The Stokes vector that one camera sample sees, in the frame of its ray.
-pub fn trace<L: Light>(
+/// The Stokes vector that one camera sample sees, in the frame of its ray; `witness` hears of every contribution.
+pub fn trace<L: Light, W: Witness>(
     scene: &Scene,
     options: &PathOptions,
     sample: CameraSample<'_>,
     stack: &mut Stack,
     counters: &mut Counters,
+    witness: &mut W,
 ) -> L::Stokes {
     counters.paths += 1;
-    let mut walk = Walk::<L> {
+    let mut walk = Walk::<L, W> {
         scene,
         options,
         wavelengths: sample.wavelengths,
         stream: sample.stream,
         stack,
         counters,
+        witness,
         seen: L::dark(),
     };
     walk.run(sample.ray, sample.axis);
     walk.seen
 }
 
-impl<'a, L: Light> Walk<'a, L> {
+impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
     fn run(&mut self, mut ray: Ray, axis: Vec3A) {
         let (scene, options) = (self.scene, self.options);
         let mut throughput = L::identity(axis);
@@ -214,6 +221,10 @@ impl<'a, L: Light> Walk<'a, L> {
                 None
             };
 
+            if !material.is_discrete() {
+                self.witness.meets(lit_frame.n, eta);
+            }
+
             // connect to a light source
             let [drawn, spare] = self.stream.pair(dimension + 6);
             if !material.is_discrete()
@@ -238,6 +249,11 @@ impl<'a, L: Light> Walk<'a, L> {
                 break;
             };
             let direction = frame.to_world(departure.direction);
+            self.witness.departs(
+                ray.direction,
+                direction,
+                departure.direction.z * vertex.o.z > 0.0,
+            );
             eta *= departure.eta;
             match departure.part {
                 Part::Continuous => {
@@ -316,80 +332,11 @@ impl<'a, L: Light> Walk<'a, L> {
             .after(L::extend(throughput, response, density.recip(), o))
     }
 
-    /// Light of an emitter that the path has met.
-    fn collect_hit(
-        &mut self,
-        throughput: &L::Throughput,
-        behind: Option<&Behind<'a, L>>,
-        emitter: u32,
-        encounter: Option<&Encounter>,
-        ray: &Ray,
-    ) {
-        let scene = self.scene;
-        let source = &scene.emitters[emitter as usize];
-        let (k, position) = (
-            -ray.direction,
-            encounter.map_or(Vec3A::ZERO, |e| e.surface.position),
-        );
-        // how connections from the vertex behind sample the same light
-        let other = |from: &Behind<'a, L>| match encounter {
-            _ if !from.way.straight => 0.0,
-            Some(e) => scene.density_of_hit(emitter, from.vertex.position, &e.surface),
-            None => scene.density_of_miss(&from.lit_frame, from.way.direction),
-        };
-        let Some(from) = behind else {
-            let emission = source.emit::<L>(k, position, self.wavelengths);
-            L::accumulate(&mut self.seen, L::collect(throughput, &emission, k), 1.0);
-            return;
-        };
-        let density = from.departure.density;
-        let Some(lobe) = from.waits else {
-            let emission = source.emit::<L>(k, position, self.wavelengths);
-            let share = power_heuristic(density, other(from));
-            L::accumulate(&mut self.seen, L::collect(throughput, &emission, k), share);
-            return;
-        };
-
-        let largest = connect::largest_patch(self.options, lobe);
-        let cut = match encounter {
-            Some(_) if from.way.straight => source.cut(scene, from.vertex.position, largest),
-            _ => None,
-        };
-        let (share, i, coherence, position) = if let Some(cut) = cut {
-            if cut.len() <= connect::MOST_SUMMED {
-                // connections have seen all of it
-                return;
-            }
-            let patch = cut.patch(cut.find(position, from.way.direction));
-            let i = from.vertex.frame.to_local(patch.direction);
-            let coherence = patch.coherence();
-            let (_, own) = from.material.respond::<L>(
-                &from.vertex,
-                i,
-                Part::Continuous,
-                self.wavelengths,
-                &coherence,
-            );
-            let other = (patch.solid_angle * cut.len() as f32).recip();
-            (power_heuristic(own, other), i, coherence, patch.centre)
-        } else if !from.way.straight
-            && let Some(e) = encounter
-            && let Some(patch) = self.patch_through(from, source, &e.surface, ray, largest)
-        {
-            let i = from.vertex.frame.to_local(patch.direction);
-            (1.0, i, patch.coherence(), patch.centre)
-        } else {
-            let share = power_heuristic(density, other(from));
-            (
-                share,
-                from.departure.direction,
-                Coherence::PLANE_WAVE,
-                position,
-            )
-        };
-        let throughput = self.through(throughput, from, i, &coherence);
-        let emission = source.emit::<L>(k, position, self.wavelengths);
-        L::accumulate(&mut self.seen, L::collect(&throughput, &emission, k), share);
+    /// Light that has arrived at the sensor; `arrival` as [`Witness::hears`] has it.
+    #[inline]
+    fn add_light(&mut self, light: L::Stokes, weight: f32, arrival: Option<(Vec3A, Coherence)>) {
+        self.witness.hears(light.as_ref(), weight, arrival);
+        L::accumulate(&mut self.seen, light, weight);
     }
 
     /// The first surface along the ray that does not shine.

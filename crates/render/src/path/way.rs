@@ -9,6 +9,7 @@
 
 use glam::{Vec3A, vec2};
 
+use super::witness::Witness;
 use super::{Behind, Walk};
 use crate::emitter::Emitter;
 use crate::emitter::patch::{Outline, Patch};
@@ -23,6 +24,9 @@ const LONGEST: usize = 6;
 
 /// Turn of the neighbouring rays, radians: small against lenses, large against rounding of positions.
 const TURN: f32 = 1e-3;
+
+/// Effective distances below this share of the length of the way count as a caustic: TURN errs by 3 % of them.
+const CAUSTIC: f32 = 0.03;
 
 /// The specular matter since a vertex.
 #[derive(Clone, Copy, Debug)]
@@ -88,7 +92,7 @@ impl<L: Light> Way<L> {
     }
 }
 
-impl<'a, L: Light> Walk<'a, L> {
+impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
     /// The patch of a flat emitter that a way through specular matter has hit, as the vertex behind sees it.
     ///
     /// `None` where neighbouring rays go other ways, near a caustic, and for emitters that are not flat.
@@ -175,9 +179,10 @@ impl Outline {
         // coordinates of the outline per radian
         let columns = shifts.map(|shift| self.coordinates(self.centre + shift));
         let determinant = columns[0].perp_dot(columns[1]);
-        let scale = columns[0].length() * columns[1].length();
-        // near a caustic the way back is lost
-        if !determinant.is_finite() || determinant.abs() <= 1e-3 * scale {
+        // near a caustic the way back is lost: rays that turn by TURN no longer tell how those next to them go
+        let area = shifts[0].cross(shifts[1]).length();
+        let largest_shift = shifts[0].length().max(shifts[1].length());
+        if !determinant.is_finite() || area <= CAUSTIC * distance * largest_shift {
             return None;
         }
         let angle = |x: glam::Vec2| {
@@ -196,3 +201,7 @@ impl Outline {
         })
     }
 }
+
+#[cfg(test)]
+#[path = "way_tests.rs"]
+mod tests;
