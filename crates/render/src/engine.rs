@@ -111,6 +111,20 @@ impl Rendering {
         (means, variances)
     }
 
+    /// Whether [`Self::variance_of`] is known.
+    pub fn sums_products(&self) -> bool {
+        self.film.products && self.samples > 1
+    }
+
+    /// Variance of the mean of a weighted sum of the components of a pixel in one colour, from its samples.
+    ///
+    /// `None` where the film sums no products of components ([`FilmGeometry::products`]), or after a single sample.
+    pub fn variance_of(&self, x: u32, y: u32, colour: usize, weights: &[f64; 4]) -> Option<f64> {
+        let tile = &self.tiles[self.film.tile_of(x, y)];
+        tile.pixel(x, y, self.colours)
+            .variance_of(weights, colour, self.samples)
+    }
+
     /// √(mean variance of the mean)/mean S0, of the worst component.
     pub fn error(&self) -> f64 {
         let mut mean = 0.0;
