@@ -107,7 +107,7 @@ fn unknown(entry: &str) -> ImageError {
         .chain(["linear:30deg"])
         .max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
     let remedy = nearest
-        .filter(|word| likeness(word) > 0.6)
+        .filter(|word| likeness(word) > 0.5)
         .map_or_else(String::new, |word| format!("; did you mean '{word}'?"));
     wrong(format!(
         "unknown analyzer '{entry}', expected {EXPECTED}{remedy}"
