@@ -205,17 +205,10 @@ fn render_file(path: &Path) -> Result<Vec<String>, String> {
     let built = build(&document, Overrides::default()).map_err(refused)?;
     for mode in [SpectralMode::Single(550.0), SpectralMode::Rgb] {
         let built = build(&document, Overrides::default()).map_err(refused)?;
-        let (scene, camera, film, paths) = (built.scene, built.camera, built.film, built.paths);
         let job = Job {
-            scene,
-            camera,
-            film,
-            paths,
-            mode,
-            polarized: true,
-            follow_polarization: true,
             samples: 4,
             seed: 1,
+            ..Job::new(built, mode)
         };
         let rendering = render(&job, Limits::default(), &AtomicBool::new(false), |_| ());
         let (values, variances) = rendering.image();

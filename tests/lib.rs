@@ -13,7 +13,7 @@ use std::sync::atomic::AtomicBool;
 use render::engine::{Job, Limits, Rendering, render};
 use render::film::SpectralMode;
 use render::image::{Colour, StokesImage};
-use render::scene::{BuiltScene, Document, Overrides, build, read, read_text};
+use render::scene::{Document, Overrides, build, read, read_text};
 
 /// Standard errors beyond which a difference is no noise: 6e-7 of normal numbers are.
 pub const SIGMAS: f64 = 5.0;
@@ -54,24 +54,13 @@ impl Shot {
             size: self.size,
             crop: self.crop,
         };
-        let BuiltScene {
-            scene,
-            camera,
-            film,
-            paths,
-            ..
-        } = build(document, overrides).unwrap_or_else(|error| panic!("{error}"));
+        let built = build(document, overrides).unwrap_or_else(|error| panic!("{error}"));
         Job {
-            scene,
-            camera,
-            film,
-            paths,
-            mode: self.mode.clone(),
             polarized: self.polarized,
             follow_polarization: self.polarized,
-            coherence: None,
             samples: self.spp,
             seed: self.seed,
+            ..Job::new(built, self.mode.clone())
         }
     }
 

@@ -33,6 +33,7 @@ CHECKS = {
     "fresnel_sphere": [str(PYTHON), "validation/fresnel_sphere.py"],
     "plates": [str(PYTHON), "validation/plates.py"],
     "films": [str(PYTHON), "validation/films.py"],
+    "polarization_camera": [str(PYTHON), "validation/polarization_camera.py"],
     "fields": [str(PYTHON), "validation/fields.py", "--self-test"],
     "light": [str(PYTHON), "validation/light.py", "--self-test"],
     "scattering": [str(PYTHON), "validation/scattering.py", "--self-test"],
@@ -99,7 +100,7 @@ def main() -> int:
         rows.append((name, time.monotonic() - start, status))
     print("\nvalidation\n")
     for name, seconds, status in rows:
-        print(f"{name:16} {seconds:6.1f} s  {'passed' if status == 0 else f'FAILED ({status})'}")
+        print(f"{name:20} {seconds:6.1f} s  {'passed' if status == 0 else f'FAILED ({status})'}")
     failed = sum(status != 0 for *_, status in rows)
     print(f"\n{len(rows) - failed} passed, {failed} failed")
     return int(failed > 0)

@@ -17,7 +17,7 @@ use crate::light::{Intensity, Light, Polarized};
 use crate::path::witness::{CoherenceSums, Listener, View};
 use crate::path::{CameraSample, Counters, PathOptions, trace};
 use crate::sampler::SampleStream;
-use crate::scene::Scene;
+use crate::scene::{BuiltScene, Scene};
 use crate::sensor::perspective::Perspective;
 
 /// Everything that a rendering needs, from the scene file and the command line.
@@ -43,6 +43,24 @@ pub struct Job {
     pub samples: u64,
     /// Seed of all random numbers.
     pub seed: u64,
+}
+
+impl Job {
+    /// All Stokes components of a scene in its own samples, with seed 0 and without coherence.
+    pub fn new(built: BuiltScene, mode: SpectralMode) -> Self {
+        Self {
+            scene: built.scene,
+            camera: built.camera,
+            film: built.film,
+            paths: built.paths,
+            mode,
+            polarized: true,
+            follow_polarization: true,
+            coherence: None,
+            samples: built.samples,
+            seed: 0,
+        }
+    }
 }
 
 /// When to stop before all samples are taken.
@@ -132,6 +150,20 @@ impl Rendering {
             }
         }
         any.then_some(all)
+    }
+
+    /// Whether [`Self::variance_of`] is known.
+    pub fn sums_products(&self) -> bool {
+        self.film.products && self.samples > 1
+    }
+
+    /// Variance of the mean of a weighted sum of the components of a pixel in one colour, from its samples.
+    ///
+    /// `None` where the film sums no products of components ([`FilmGeometry::products`]), or after a single sample.
+    pub fn variance_of(&self, x: u32, y: u32, colour: usize, weights: &[f64; 4]) -> Option<f64> {
+        let tile = &self.tiles[self.film.tile_of(x, y)];
+        tile.pixel(x, y, self.colours)
+            .variance_of(weights, colour, self.samples)
     }
 
     /// √(mean variance of the mean)/mean S0, of the worst component.

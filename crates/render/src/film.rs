@@ -66,6 +66,8 @@ pub struct FilmGeometry {
     pub crop_size: [u32; 2],
     /// Reconstruction filter.
     pub filter: Filter,
+    /// Whether products of two components are summed too, so that the variance of every weighted sum of them is known.
+    pub products: bool,
 }
 
 /// Edge of a tile, pixels.
@@ -75,11 +77,16 @@ impl FilmGeometry {
     /// Memory that the sums take, bytes; with or without those of coherence.
     pub fn bytes(&self, colours: usize, coherence: bool) -> u64 {
         let pixels = u64::from(self.crop_size[0]) * u64::from(self.crop_size[1]);
-        let stokes = 8 * colours as u64 * size_of::<f64>() as u64;
+        let stokes = (self.sums() * colours * size_of::<f64>()) as u64;
         pixels * (stokes + u64::from(coherence) * size_of::<CoherenceSums>() as u64)
     }
 
-    /// Empty tiles that cover the crop window.
+    /// Sums a pixel and colour.
+    fn sums(&self) -> usize {
+        if self.products { 8 + PAIRS.len() } else { 8 }
+    }
+
+    /// Empty tiles that cover the crop window, from left to right and from top to bottom.
     pub fn tiles(&self, colours: usize, coherence: bool) -> Vec<TileSums> {
         let [width, height] = self.crop_size;
         let corners = (0..height)
@@ -92,20 +99,31 @@ impl FilmGeometry {
                 TileSums {
                     corner: [x, y],
                     size,
-                    sums: vec![0.0; pixels * 8 * colours],
+                    stride: self.sums() * colours,
+                    sums: vec![0.0; pixels * self.sums() * colours],
                     coherence: vec![CoherenceSums::default(); pixels * usize::from(coherence)],
                 }
             })
             .collect()
     }
+
+    /// Which of the tiles holds the pixel at (x, y) of the crop window.
+    pub fn tile_of(&self, x: u32, y: u32) -> usize {
+        (y / TILE * self.crop_size[0].div_ceil(TILE) + x / TILE) as usize
+    }
 }
+
+/// Pairs of components whose products are summed, beside the squares.
+const PAIRS: [(usize, usize); 6] = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
 
 /// Sums over the samples of the pixels of a tile.
 #[derive(Clone, Debug)]
 pub struct TileSums {
     corner: [u32; 2],
     size: [u32; 2],
-    /// For each pixel `[component][colour]`, then the squares in the same order.
+    /// Sums a pixel.
+    stride: usize,
+    /// For each pixel `[component][colour]`, then the squares in the same order, then perhaps `[pair][colour]`.
     sums: Vec<f64>,
     /// For each pixel; empty if nobody asks for coherence.
     coherence: Vec<CoherenceSums>,
@@ -113,7 +131,10 @@ pub struct TileSums {
 
 /// The sums of one pixel.
 #[derive(Clone, Copy, Debug)]
-pub struct PixelSums<'a>(&'a [f64]);
+pub struct PixelSums<'a> {
+    sums: &'a [f64],
+    colours: usize,
+}
 
 impl TileSums {
     /// Its pixels in the crop window.
@@ -130,12 +151,17 @@ impl TileSums {
         }
         let colours = sample.values.len();
         let pixel = self.index(x, y);
-        let sums = &mut self.sums[pixel * 8 * colours..][..8 * colours];
+        let sums = &mut self.sums[pixel * self.stride..][..self.stride];
         for (colour, value) in sample.values.iter().enumerate() {
-            for (component, x) in value.to_array().into_iter().enumerate() {
-                let x = f64::from(x);
+            let value = value.to_array().map(f64::from);
+            for (component, x) in value.into_iter().enumerate() {
                 sums[component * colours + colour] += x;
                 sums[(4 + component) * colours + colour] += x * x;
+            }
+            if sums.len() > 8 * colours {
+                for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
+                    sums[(8 + pair) * colours + colour] += value[a] * value[b];
+                }
             }
         }
         true
@@ -160,10 +186,19 @@ impl TileSums {
         self.pixels().zip(&self.coherence)
     }
 
+    /// The sums of a pixel of the tile.
+    pub fn pixel(&self, x: u32, y: u32, colours: usize) -> PixelSums<'_> {
+        let pixel = self.index(x, y);
+        PixelSums {
+            sums: &self.sums[pixel * self.stride..][..self.stride],
+            colours,
+        }
+    }
+
     /// Visits all pixels.
     pub fn for_each(&self, colours: usize, visit: &mut impl FnMut(u32, u32, PixelSums<'_>)) {
-        for ((x, y), sums) in self.pixels().zip(self.sums.chunks_exact(8 * colours)) {
-            visit(x, y, PixelSums(sums));
+        for ((x, y), sums) in self.pixels().zip(self.sums.chunks_exact(self.stride)) {
+            visit(x, y, PixelSums { sums, colours });
         }
     }
 }
@@ -172,14 +207,32 @@ impl PixelSums<'_> {
     /// Mean and variance of the mean after `count` samples; `index` counts through `[component][colour]`.
     pub fn estimate(&self, index: usize, count: u64) -> (f64, f64) {
         let n = count as f64;
-        let mean = self.0[index] / n;
-        let square = self.0[self.0.len() / 2 + index] / n;
+        let mean = self.sums[index] / n;
+        let square = self.sums[4 * self.colours + index] / n;
         let variance = if count > 1 {
             ((square - mean * mean) / (n - 1.0)).max(0.0)
         } else {
             f64::INFINITY
         };
         (mean, variance)
+    }
+
+    /// Variance of the mean of a weighted sum of the components in one colour, after `count` samples.
+    ///
+    /// `None` where the film sums no products, or after a single sample.
+    pub fn variance_of(&self, weights: &[f64; 4], colour: usize, count: u64) -> Option<f64> {
+        if self.sums.len() == 8 * self.colours || count < 2 {
+            return None;
+        }
+        let n = count as f64;
+        let at = |index: usize| self.sums[index * self.colours + colour] / n;
+        let covariance = |product: f64, a: usize, b: usize| product - at(a) * at(b);
+        let squares = (0..4).map(|k| weights[k] * weights[k] * covariance(at(4 + k), k, k));
+        let pairs = PAIRS.into_iter().enumerate();
+        let products =
+            pairs.map(|(i, (a, b))| 2.0 * weights[a] * weights[b] * covariance(at(8 + i), a, b));
+        let sum: f64 = squares.chain(products).sum();
+        Some((sum / (n - 1.0)).max(0.0))
     }
 }
 
@@ -221,5 +274,69 @@ impl SampleColours {
     /// The Stokes vector of each colour.
     pub fn values(&self) -> &[Vec4] {
         &self.values
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::vec4;
+
+    fn film(products: bool) -> FilmGeometry {
+        FilmGeometry {
+            size: [40, 40],
+            crop_offset: [0, 0],
+            crop_size: [37, 21],
+            filter: Filter::Box,
+            products,
+        }
+    }
+
+    #[test]
+    fn the_tile_of_a_pixel_is_found() {
+        let film = film(true);
+        let tiles = film.tiles(3);
+        for (index, tile) in tiles.iter().enumerate() {
+            assert!(tile.pixels().all(|(x, y)| film.tile_of(x, y) == index));
+        }
+    }
+
+    #[test]
+    fn the_variance_of_a_sum_of_components_is_that_of_the_summed_samples() {
+        let film = film(true);
+        let mut tile = film.tiles(2).swap_remove(film.tile_of(36, 20));
+        let samples = [
+            vec4(1.0, 0.5, -0.25, 0.125),
+            vec4(3.0, -1.0, 0.5, 2.0),
+            vec4(0.5, 0.5, 0.0, 0.0),
+        ];
+        let mut colours = SampleColours::new(2);
+        for sample in samples {
+            colours.clear();
+            colours.add(0, Vec4::ONE);
+            colours.add(1, sample);
+            assert!(tile.add(36, 20, &colours));
+        }
+        let weights = [0.5, -0.25, 2.0, 1.0];
+        let sums = samples.map(|s| (0..4).map(|k| weights[k] * f64::from(s[k])).sum::<f64>());
+        let mean = sums.iter().sum::<f64>() / 3.0;
+        let expected = sums.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (3.0 * 2.0);
+        let pixel = tile.pixel(36, 20, 2);
+        let found = pixel.variance_of(&weights, 1, 3).unwrap();
+        assert!(
+            (found - expected).abs() < 1e-13 * expected,
+            "{found} {expected}"
+        );
+        assert_eq!(pixel.variance_of(&weights, 0, 3), Some(0.0));
+        // one component alone: the variance that the image has
+        let alone = pixel.variance_of(&[0.0, 1.0, 0.0, 0.0], 1, 3).unwrap();
+        assert!((alone - pixel.estimate(3, 3).1).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_film_without_products_knows_no_variance_of_sums() {
+        let film = film(false);
+        let tiles = film.tiles(1);
+        assert_eq!(tiles[0].pixel(0, 0, 1).variance_of(&[1.0; 4], 0, 9), None);
     }
 }

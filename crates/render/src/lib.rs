@@ -1,6 +1,7 @@
 //! Brewster: a polarization-aware renderer, from scene file to Stokes image.
 #![deny(unsafe_code)]
 
+pub mod analyzer;
 pub mod cli;
 pub mod coherence;
 pub mod colour;

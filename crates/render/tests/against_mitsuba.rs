@@ -28,15 +28,9 @@ fn quarters(name: &str, mode: SpectralMode) -> Vec<Mean> {
     let [width, height] = built.film.crop_size.map(|n| n as usize);
     let colours = mode.colours();
     let job = Job {
-        scene: built.scene,
-        camera: built.camera,
-        film: built.film,
-        paths: built.paths,
-        mode,
-        polarized: true,
-        follow_polarization: true,
         samples: 512,
         seed: 1,
+        ..Job::new(built, mode)
     };
     let rendering = render(&job, Limits::default(), &AtomicBool::new(false), |_| {});
     assert_eq!(rendering.rejected, 0, "{name}: samples that are not finite");
@@ -241,15 +235,11 @@ fn rectangle_in_a_furnace(inside: &str) -> f32 {
     let document = scene::read_text(&text, Path::new("scene.xml"), &[]).expect("a scene");
     let built = scene::build(&document, Overrides::default()).expect("a scene");
     let job = Job {
-        scene: built.scene,
-        camera: built.camera,
-        film: built.film,
-        paths: built.paths,
-        mode: ONE,
         polarized: false,
         follow_polarization: false,
         samples: 256,
         seed: 1,
+        ..Job::new(built, ONE)
     };
     let rendering = render(&job, Limits::default(), &AtomicBool::new(false), |_| {});
     rendering.image().0[4]

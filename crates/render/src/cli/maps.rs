@@ -4,8 +4,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use super::{Failure, Outcome};
-use crate::maps::{ColourChoice, HandednessColours, MapOptions, MapReport, write_all};
-use crate::output::{self, ImageError};
+use crate::analyzer::{self, Destination, Incident};
+use crate::maps::{self, ColourChoice, HandednessColours, MapOptions, MapReport, write_all};
+use crate::output::{self, ImageError, WriteOptions};
 
 /// Command line of `brewster maps`.
 #[derive(clap::Args, Debug)]
@@ -18,6 +19,9 @@ pub struct Args {
     /// Maps to draw, separated by commas; all where absent: s0, s1, s2, s3, dop, dolp, docp, aolp, aolp-dolp, ellipticity, type, ellipses, coherence, coherence-degree, coherence-ellipses
     #[arg(long, value_delimiter = ',', value_name = "LIST")]
     pub maps: Vec<String>,
+    /// Images behind analyzers, with pictures; other maps only where named: linear:ANGLE, rcp, lcp, camera, mosaic, MUELLER.json, separated by commas
+    #[arg(long, value_delimiter = ',', value_name = "LIST")]
+    pub analyzer: Vec<String>,
     /// Mask pixels darker than this times the mean S0
     #[arg(
         long,
@@ -44,14 +48,20 @@ pub struct Args {
     /// Write each map's numbers too, as .npy (angles in radians, NaN where masked)
     #[arg(long)]
     pub data: bool,
-    /// Print the side-car JSON instead of the list of files
+    /// Print the side-car JSON instead of the list of files; one after the other where there are two
     #[arg(long)]
     pub json: bool,
 }
 
 /// Runs the command.
 pub fn run(args: &Args) -> Outcome {
-    let image = output::read(&args.image).map_err(|e| Failure::Usage(e.to_string()))?;
+    let usage = |e: ImageError| Failure::Usage(e.to_string());
+    maps::check_names(&args.maps).map_err(usage)?;
+    let analyzers = analyzer::parse(&args.analyzer).map_err(usage)?;
+    for notice in &analyzers.notices {
+        eprintln!("notice: {notice}");
+    }
+    let image = output::read(&args.image).map_err(usage)?;
     let options = MapOptions {
         maps: args.maps.clone(),
         threshold: args.threshold,
@@ -63,25 +73,52 @@ pub fn run(args: &Args) -> Outcome {
         full_range: args.full_range,
     };
     let stem = args.image.file_stem().unwrap_or_default().to_string_lossy();
-    let report = write_all(&image, &options, &args.output, &stem).map_err(|e| match e {
-        ImageError::Request(_) => Failure::Usage(e.to_string()),
-        _ => Failure::Work(e.to_string()),
-    })?;
-    if args.json {
-        println!(
-            "{}",
-            serde_json::to_string_pretty(&report).map_err(|e| Failure::Work(e.to_string()))?
-        );
-    } else {
-        print(&report);
+    if !analyzers.list.is_empty() {
+        let destination = Destination {
+            folder: &args.output,
+            stem: &stem,
+            npy: output::is_array(&args.image),
+            write: WriteOptions::default(),
+            pictures: &options,
+            draw: true,
+        };
+        let report = Incident::new(&image, None)
+            .and_then(|light| analyzer::write_all(&light, &analyzers, &destination))
+            .map_err(failure)?;
+        tell(args, &report, &report.files)?;
+        if options.maps.is_empty() {
+            return Ok(ExitCode::SUCCESS);
+        }
+    }
+    let report = write_all(&image, &options, &args.output, &stem).map_err(failure)?;
+    tell(args, &report, &report.files)?;
+    if !args.json {
+        warn(&report);
     }
     Ok(ExitCode::SUCCESS)
 }
 
-fn print(report: &MapReport) {
-    for path in &report.files {
-        println!("{}", path.display());
+fn failure(error: ImageError) -> Failure {
+    match error {
+        ImageError::Request(_) => Failure::Usage(error.to_string()),
+        _ => Failure::Work(error.to_string()),
     }
+}
+
+/// Prints a report as JSON, or the files that it tells of.
+fn tell(args: &Args, report: &impl serde::Serialize, files: &[PathBuf]) -> Result<(), Failure> {
+    if args.json {
+        let json = serde_json::to_string_pretty(report);
+        println!("{}", json.map_err(|e| Failure::Work(e.to_string()))?);
+    } else {
+        for path in files {
+            println!("{}", path.display());
+        }
+    }
+    Ok(())
+}
+
+fn warn(report: &MapReport) {
     let statistics = &report.statistics;
     if statistics.dop_above_one_share > 0.0 {
         eprintln!(

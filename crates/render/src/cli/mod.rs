@@ -6,6 +6,7 @@ pub mod compare;
 pub mod eval;
 pub mod inspect;
 pub mod maps;
+mod progress;
 pub mod render;
 pub mod values;
 

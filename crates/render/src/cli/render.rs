@@ -1,27 +1,24 @@
 //! `brewster render`: what the user typed, turned into a job, run and written.
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use cpu_time::ProcessTime;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use super::progress::{progress_bar, show, stop_on_interrupt};
 use super::values::{
     Band, Crop, Define, Separation, Size, parse_duration, parse_error, parse_patch,
     parse_wavelength,
 };
 use super::{Failure, Outcome};
-use crate::engine::{self, Job, Limits, Progress, Rendering};
+use crate::analyzer::{self, Destination, Incident};
+use crate::engine::{self, Job, Limits, Rendering};
 use crate::film::SpectralMode;
 use crate::image::{Colour, StokesImage};
 use crate::maps::{self, MapOptions};
 use crate::needs::Needs;
 use crate::output::{self, ImageError, WriteOptions};
-use crate::path::PathOptions;
 use crate::sampler::Generator;
 use crate::scene::{self, Overrides};
 
@@ -91,6 +88,14 @@ pub struct Args {
     /// Pictures to make beside the image: `all`, or names from `brewster maps --help`, separated by commas
     #[arg(long, value_delimiter = ',', value_name = "LIST")]
     maps: Vec<String>,
+    /// Images behind analyzers beside the image: linear:ANGLE, rcp, lcp, camera, mosaic, MUELLER.json, separated by commas
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "LIST",
+        conflicts_with = "unpolarized"
+    )]
+    analyzer: Vec<String>,
     /// Write exactly the channels that Mitsuba writes
     #[arg(long)]
     mitsuba_channels: bool,
@@ -107,6 +112,7 @@ pub fn run(args: &Args) -> Outcome {
     let (start, cpu_start) = (Instant::now(), ProcessTime::now());
     let output = output_path(args)?;
     map_options(args)?;
+    let analyzers = analyzer::parse(&args.analyzer).map_err(refusal)?;
     let threads = args.threads.map_or_else(
         || std::thread::available_parallelism().map_or(1, usize::from),
         usize::from,
@@ -117,7 +123,7 @@ pub fn run(args: &Args) -> Outcome {
         .map_err(|e| Failure::Work(format!("{threads} threads cannot be started: {e}")))?;
     let (job, notices) = load(args)?;
     if !args.quiet {
-        for notice in notices {
+        for notice in analyzers.notices.iter().chain(&notices) {
             eprintln!("notice: {notice}");
         }
     }
@@ -132,21 +138,31 @@ pub fn run(args: &Args) -> Outcome {
     bar.finish_and_clear();
 
     let image = to_image(args, &job, &rendering);
-    output::write(
-        &output,
-        &image,
-        &WriteOptions {
-            mitsuba_channels: args.mitsuba_channels,
-        },
-    )
-    .map_err(failure)?;
+    let write = WriteOptions {
+        mitsuba_channels: args.mitsuba_channels,
+    };
+    output::write(&output, &image, &write).map_err(failure)?;
     if !args.quiet {
         tell(&output, &rendering, start.elapsed());
     }
-    if let Some(options) = map_options(args)? {
-        let folder = output.parent().unwrap_or(Path::new(""));
-        let stem = output.file_stem().unwrap_or_default().to_string_lossy();
-        maps::write_all(&image, &options, folder, &stem).map_err(failure)?;
+    let pictures = map_options(args)?;
+    let folder = output.parent().unwrap_or(Path::new(""));
+    let stem = output.file_stem().unwrap_or_default().to_string_lossy();
+    if let Some(options) = &pictures {
+        maps::write_all(&image, options, folder, &stem).map_err(failure)?;
+    }
+    if !analyzers.list.is_empty() {
+        let destination = Destination {
+            folder,
+            stem: &stem,
+            npy: output::is_array(&output),
+            write,
+            draw: pictures.is_some(),
+            pictures: &pictures.unwrap_or_default(),
+        };
+        Incident::new(&image, Some(&rendering))
+            .and_then(|light| analyzer::write_all(&light, &analyzers, &destination))
+            .map_err(failure)?;
     }
     if args.json {
         print_json(&rendering, threads, start.elapsed(), cpu_start.elapsed());
@@ -176,6 +192,11 @@ fn map_options(args: &Args) -> Result<Option<MapOptions>, Failure> {
         maps,
         ..MapOptions::default()
     }))
+}
+
+/// What is wrong with the command line or with a file that it names.
+fn refusal(error: ImageError) -> Failure {
+    Failure::Usage(error.to_string())
 }
 
 fn failure(error: ImageError) -> Failure {
@@ -224,7 +245,8 @@ fn load(args: &Args) -> Result<(Job, Vec<String>), Failure> {
         size: args.size.map(|s| s.0),
         crop: args.crop.map(|c| c.0),
     };
-    let built = scene::build(&document, overrides).map_err(wrong)?;
+    let mut built = scene::build(&document, overrides).map_err(wrong)?;
+    built.film.products = !args.analyzer.is_empty();
     let film = &built.film;
     let fits = (0..2).all(|axis| {
         film.crop_offset[axis]
@@ -263,61 +285,17 @@ fn load(args: &Args) -> Result<(Job, Vec<String>), Failure> {
         )));
     }
     let needs = Needs::of(&built.scene, &built.paths, &built.material_names);
+    built.paths.patch = args.patch.unwrap_or(built.paths.patch);
+    let samples = args.spp.unwrap_or(built.samples);
     let job = Job {
-        scene: built.scene,
-        camera: built.camera,
-        film: built.film,
-        paths: PathOptions {
-            patch: args.patch.unwrap_or(built.paths.patch),
-            ..built.paths
-        },
-        mode,
         polarized: !args.unpolarized,
         follow_polarization: !args.unpolarized && needs.polarization(),
         coherence: args.coherence.map(|separation| separation.0),
-        samples: args.spp.unwrap_or(built.samples),
+        samples,
         seed: args.seed,
+        ..Job::new(built, mode)
     };
     Ok((job, document.notices()))
-}
-
-fn progress_bar(quiet: bool, samples: u64) -> ProgressBar {
-    let target = if quiet {
-        ProgressDrawTarget::hidden()
-    } else {
-        ProgressDrawTarget::stderr()
-    };
-    let style = ProgressStyle::with_template("{wide_bar} {pos}/{len} spp  {msg}  {eta} left")
-        .expect("the template is well formed");
-    ProgressBar::with_draw_target(Some(samples), target).with_style(style)
-}
-
-fn show(bar: &ProgressBar, progress: Progress) {
-    let rate = progress.counters.paths as f64 / progress.elapsed.as_secs_f64().max(1e-9) / 1e6;
-    bar.set_message(format!(
-        "{rate:.2} Mpaths/s  error {:.2} %",
-        100.0 * progress.error
-    ));
-    bar.set_position(progress.samples);
-}
-
-/// A flag that an interrupt sets: the pass in flight is finished and what there is is written.
-fn stop_on_interrupt() -> Result<Arc<AtomicBool>, Failure> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let flag = stop.clone();
-    ctrlc::set_handler(move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            // asked twice: the user does not want to wait
-            std::process::exit(1);
-        }
-        // best effort: nobody may be listening
-        let _ = writeln!(
-            std::io::stderr(),
-            "\ninterrupted: finishing this pass; once more to quit at once"
-        );
-    })
-    .map_err(|e| Failure::Work(format!("interrupts cannot be caught: {e}")))?;
-    Ok(stop)
 }
 
 fn to_image(args: &Args, job: &Job, rendering: &Rendering) -> StokesImage {

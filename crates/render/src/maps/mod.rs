@@ -26,6 +26,7 @@ mod svg;
 pub use coherence::SEPARATION;
 pub use colours::HandednessColours;
 pub use measure::{ColourChoice, Statistics};
+pub(crate) use report::{FRAME, HANDEDNESS, file_name};
 pub use report::{MapReport, MapRow};
 
 /// One kind of map.
@@ -212,7 +213,7 @@ pub fn write_all(
             report.files.push(path.clone());
             Ok(path)
         };
-        row.file = report::file_name(&save(
+        row.file = file_name(&save(
             "png",
             &raster::png(&drawing).map_err(ImageError::Request)?,
         )?);
@@ -225,7 +226,7 @@ pub fn write_all(
             let path = folder.join(format!("{stem}_{}.npy", map.name));
             let (shape, values) = scene.data(map);
             output::npy::write_array(&path, &shape, &values)?;
-            row.data = Some(report::file_name(&path));
+            row.data = Some(file_name(&path));
             report.files.push(path);
         }
         report.maps.push(row);
@@ -236,6 +237,14 @@ pub fn write_all(
     output::write_atomically(&path, (json + "\n").as_bytes())?;
     report.files.push(path);
     Ok(report)
+}
+
+/// The factor from S0 to display white that the `s0` map of an image has.
+///
+/// # Errors
+/// An option does not fit the image.
+pub fn exposure(image: &StokesImage, options: &MapOptions) -> Result<f64, ImageError> {
+    Ok(paint::Scene::new(image, options, "")?.exposure)
 }
 
 /// Refuses names that no map has, so that a long render need not run before a typing error shows.

@@ -65,11 +65,11 @@ pub struct MapRow {
     pub clipped_share: Option<f64>,
 }
 
-pub(super) const FRAME: &str = "per pixel: x = image right, y = image up, light towards the viewer; angles counter-clockwise from x";
-pub(super) const HANDEDNESS: &str =
+pub(crate) const FRAME: &str = "per pixel: x = image right, y = image up, light towards the viewer; angles counter-clockwise from x";
+pub(crate) const HANDEDNESS: &str =
     "S3 > 0 is right-handed: clockwise for an observer who faces the source";
 
-pub(super) fn file_name(path: &Path) -> String {
+pub(crate) fn file_name(path: &Path) -> String {
     path.file_name()
         .unwrap_or_default()
         .to_string_lossy()

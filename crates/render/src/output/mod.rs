@@ -158,6 +158,11 @@ fn extension(path: &Path) -> String {
         .to_lowercase()
 }
 
+/// Whether a file is an array: `.npy` or `.npz`.
+pub fn is_array(path: &Path) -> bool {
+    ["npy", "npz"].contains(&extension(path).as_str())
+}
+
 fn unknown_extension(path: &Path, expected: &str) -> ImageError {
     let found = extension(path);
     let found = if found.is_empty() {

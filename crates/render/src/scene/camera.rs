@@ -120,6 +120,7 @@ fn default_film(overrides: Overrides) -> FilmGeometry {
         crop_offset: [x, y],
         crop_size: [width, height],
         filter: Filter::Gaussian { stddev: 0.5 },
+        products: false,
     }
 }
 
@@ -172,6 +173,7 @@ fn read_film(object: &Object, overrides: Overrides) -> Result<FilmGeometry, Scen
         crop_offset: offset,
         crop_size: crop,
         filter,
+        products: false,
     })
 }
 
