@@ -295,7 +295,7 @@ mod tests {
     #[test]
     fn the_tile_of_a_pixel_is_found() {
         let film = film(true);
-        let tiles = film.tiles(3);
+        let tiles = film.tiles(3, false);
         for (index, tile) in tiles.iter().enumerate() {
             assert!(tile.pixels().all(|(x, y)| film.tile_of(x, y) == index));
         }
@@ -304,7 +304,7 @@ mod tests {
     #[test]
     fn the_variance_of_a_sum_of_components_is_that_of_the_summed_samples() {
         let film = film(true);
-        let mut tile = film.tiles(2).swap_remove(film.tile_of(36, 20));
+        let mut tile = film.tiles(2, false).swap_remove(film.tile_of(36, 20));
         let samples = [
             vec4(1.0, 0.5, -0.25, 0.125),
             vec4(3.0, -1.0, 0.5, 2.0),
@@ -336,7 +336,7 @@ mod tests {
     #[test]
     fn a_film_without_products_knows_no_variance_of_sums() {
         let film = film(false);
-        let tiles = film.tiles(1);
+        let tiles = film.tiles(1, false);
         assert_eq!(tiles[0].pixel(0, 0, 1).variance_of(&[1.0; 4], 0, 9), None);
     }
 }
