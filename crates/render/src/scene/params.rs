@@ -33,6 +33,36 @@ impl Object {
             .ok_or_else(|| self.lacks(name, "a number"))
     }
 
+    /// A length in metres, or `default`: a plain number of metres, or a text with a unit such as `550nm` or `1.6 um`.
+    ///
+    /// For lengths about as long as light waves. Finite; may be negative or zero.
+    pub fn micro_length(
+        &self,
+        name: &str,
+        default: Option<f64>,
+    ) -> Result<Option<f64>, SceneError> {
+        if !self.is_string(name) {
+            let expected = "a number of metres or a text with a unit ('550nm')";
+            let value = self.get(name, expected, |value| match *value {
+                Value::Float(v) | Value::Uniform(v) => Some(v),
+                Value::Integer(v) => Some(v as f64),
+                _ => None,
+            })?;
+            return Ok(value.or(default));
+        }
+        let text = self.required_string(name)?;
+        metres(&text).map(Some).ok_or_else(|| {
+            self.error_at(
+                name,
+                format!(
+                    "length '{name}' of {} is {}, expected a number and a unit out of nm, um, mm, cm and m ('550nm')",
+                    self.describe(),
+                    quoted(&text)
+                ),
+            )
+        })
+    }
+
     /// An integer, or `default`.
     pub fn integer(&self, name: &str, default: i64) -> Result<i64, SceneError> {
         let value = self.get(name, "an integer", |value| match *value {
@@ -187,6 +217,25 @@ impl Object {
     }
 }
 
+/// Reads a number with a unit of length.
+fn metres(text: &str) -> Option<f64> {
+    let text = text.trim();
+    let unit = text.find(|c: char| c.is_alphabetic() && !matches!(c, 'e' | 'E'))?;
+    let (number, unit) = text.split_at(unit);
+    // divided, not multiplied: 550/1e9 is the number nearest to 550e-9
+    let units_per_metre = match unit {
+        "nm" => 1e9,
+        // both code points of the letter
+        "um" | "\u{b5}m" | "\u{3bc}m" => 1e6,
+        "mm" => 1e3,
+        "cm" => 1e2,
+        "m" => 1.0,
+        _ => return None,
+    };
+    let value: f64 = number.trim().parse().ok()?;
+    Some(value / units_per_metre).filter(|value| value.is_finite())
+}
+
 /// Whether the columns span a volume, relative to their lengths, that survives rounding.
 fn is_invertible(matrix: &DMat4) -> bool {
     let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(DVec4::truncate);
@@ -224,6 +273,38 @@ mod tests {
         assert_eq!(object.float("d", 7.0), Ok(7.0));
         assert_eq!(object.integer("b", 0), Ok(2));
         assert!(object.finish().is_ok());
+    }
+
+    #[test]
+    fn short_lengths_come_in_metres_or_with_a_unit() {
+        let read = |parameter: &str| bsdf(parameter).micro_length("d", Some(2.0));
+        let text = |value: &str| read(&format!("<string name='d' value='{value}'/>"));
+        assert_eq!(read(""), Ok(Some(2.0)));
+        assert_eq!(bsdf("").micro_length("d", None), Ok(None));
+        assert_eq!(read("<float name='d' value='1e-6'/>"), Ok(Some(1e-6)));
+        assert_eq!(read("<integer name='d' value='1'/>"), Ok(Some(1.0)));
+        assert_eq!(text("550nm"), Ok(Some(550e-9)));
+        for micron in ["1.6um", " 1.6 um ", "1.6\u{b5}m", "1.6\u{3bc}m", "1.6e-3mm"] {
+            assert!((text(micron).unwrap().unwrap() - 1.6e-6).abs() < 1e-20);
+        }
+        assert_eq!(text("-2cm"), Ok(Some(-0.02)));
+        assert_eq!(text("3e0m"), Ok(Some(3.0)));
+        for wrong in ["550", "nm", "550 inch", "5 5nm", "1e999m", ""] {
+            assert_eq!(
+                text(wrong).unwrap_err().to_string(),
+                format!(
+                    "scene.xml:2:7: length 'd' of bsdf 'roughconductor' is '{wrong}', \
+                     expected a number and a unit out of nm, um, mm, cm and m ('550nm')"
+                )
+            );
+        }
+        assert_eq!(
+            read("<boolean name='d' value='true'/>")
+                .unwrap_err()
+                .to_string(),
+            "scene.xml:2:7: parameter 'd' of bsdf 'roughconductor' is a boolean (true), \
+             expected a number of metres or a text with a unit ('550nm')"
+        );
     }
 
     #[test]
