@@ -13,6 +13,7 @@ pub mod polarizer;
 pub mod pplastic;
 pub mod retarder;
 pub mod roughconductor;
+pub mod roughsurface;
 pub mod twosided;
 
 use glam::Vec3A;
@@ -115,6 +116,8 @@ pub enum Material {
     Conductor(conductor::Conductor),
     /// Rough metal.
     RoughConductor(roughconductor::RoughConductor),
+    /// Random heights, on metal or glass.
+    RoughSurface(Box<roughsurface::RoughSurface>),
     /// Smooth glass.
     Dielectric(dielectric::Dielectric),
     /// Polarizing plastic.
@@ -138,6 +141,7 @@ macro_rules! ask {
             Material::Diffuse($m) => $answer,
             Material::Conductor($m) => $answer,
             Material::RoughConductor($m) => $answer,
+            Material::RoughSurface($m) => $answer,
             Material::Dielectric($m) => $answer,
             Material::Pplastic($m) => $answer,
             Material::Polarizer($m) => $answer,
@@ -198,10 +202,11 @@ pub trait Matter {
 impl Material {
     /// Whether light meets it from both sides by itself.
     pub fn is_two_sided(&self) -> bool {
-        !matches!(
-            self,
-            Self::Diffuse(_) | Self::Conductor(_) | Self::RoughConductor(_) | Self::Pplastic(_)
-        )
+        !matches!(self, Self::RoughSurface(m) if m.is_metal())
+            && !matches!(
+                self,
+                Self::Diffuse(_) | Self::Conductor(_) | Self::RoughConductor(_) | Self::Pplastic(_)
+            )
     }
 }
 

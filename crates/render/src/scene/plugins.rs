@@ -24,6 +24,7 @@ const KINDS: [Kind; 8] = [
             "pplastic",
             "retarder",
             "roughconductor",
+            "roughsurface",
             "twosided",
         ],
         missing: &[
