@@ -24,9 +24,10 @@
 //! with polarization. `exponential` is `k` with `exponent` 1.5: steps without slopes, and a far-reaching lobe.
 //!
 //! Where slopes exist Smith's shadowing is on the lobe; a reciprocal factor keeps it from making light at grazing
-//! incidence; for glass it is on reflection and refraction each by itself, so that beyond 80° both together may hold some
-//! percent too much (4 % at 87° for σ = .1 λ, l = 5 λ). Light that would meet a second facet is lost. The lobe answers to the coherence of light: emitters are cut
-//! into patches. A metal is one-sided, glass has two sides. Lobes are good to 5e-4 of their peak.
+//! incidence. On glass the factor is on reflection and refraction each by itself: beyond 80° both together may hold some
+//! percent too much (4 % at 87° for σ = λ/10, l = 5 λ). Light that would meet a second facet is lost. The lobe answers to
+//! the coherence of light: emitters are cut into patches. A metal is one-sided, glass has two sides. Lobes are good to
+//! 5e-4 of their peak.
 //!
 //! Source: Beckmann and Spizzichino, The Scattering of Electromagnetic Waves from Rough Surfaces, 1963, chapter 5;
 //! Theorem S4.1 of Steinberg and Yan's supplemental; facets: Walter et al., EGSR 2007, Eqs. 20, 21.
