@@ -115,14 +115,14 @@ impl Lobes {
         }
         let index = (place as usize).min(last - 1);
         let t = place - index as f32;
-        let ln = |i: usize| self.rows[i.min(last)].ln_rate;
+        let ln = |i: usize| self.rows[i].ln_rate;
+        let after = if index + 2 > last {
+            2.0 * ln(last) - ln(last - 1)
+        } else {
+            ln(index + 2)
+        };
         // Catmull and Rom's cubic
-        let (a, b, c, d) = (
-            ln(index.max(1) - 1),
-            ln(index),
-            ln(index + 1),
-            ln(index + 2),
-        );
+        let (a, b, c, d) = (ln(index.max(1) - 1), ln(index), ln(index + 1), after);
         let ln_rate = b + 0.5
             * t
             * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a)));
