@@ -4,6 +4,9 @@
 //! A(i) = ∫ f cos_o dω/(1 − e^(−g)),     all facets lossless, g of the mirror or Snell pair
 //! ```
 //!
+//! For glass A is that of reflection and refraction together, with Fresnel's powers on the facets, over what is not sharp:
+//! facets that lean toward grazing light let more of it in than the mean surface keeps back.
+//!
 //! Scattering of the first order makes too much light at grazing incidence on short correlations; with the cap mirror and
 //! diffuse light together hold at most what came. Where A is below 1 the cap is idle.
 //!
@@ -37,7 +40,7 @@ const RULE: [[f32; 2]; 4] = [
     [0.960_289_86, 0.101_228_54],
 ];
 
-/// ln A over the angles of one passage.
+/// ln A over the angles of light from one side.
 #[derive(Clone, Debug)]
 struct Table {
     values: [f32; ANGLES],
@@ -45,35 +48,37 @@ struct Table {
     idle: bool,
 }
 
-/// The energy cap of a surface, for a few passages.
+/// The energy cap of a surface, for light from each of its sides.
 #[derive(Clone, Debug)]
 pub(super) struct Cap {
-    passages: Vec<Media>,
+    /// By the side of the light.
+    sides: Vec<Vec<Media>>,
     rows: Vec<OnceLock<Vec<Table>>>,
 }
 
 impl Cap {
-    /// For these passages, by which tables are asked for.
-    pub(super) fn new(passages: Vec<Media>) -> Self {
+    /// For surfaces that let light from each side go by these passages.
+    pub(super) fn new(sides: Vec<Vec<Media>>) -> Self {
         Self {
-            passages,
+            sides,
             rows: vec![OnceLock::new(); ROWS],
         }
     }
 
-    /// ln A for light of a wavelength (nm) that comes by a passage at a cosine.
+    /// ln A for light of a wavelength (nm) that comes to a side at a cosine; `share` is the power by which the facet of a passage answers at a cosine.
     #[inline]
     pub(super) fn log_ratio(
         &self,
         heights: &Heights,
-        passage: usize,
+        side: usize,
         wavelength: f32,
         cos: f32,
+        share: impl Fn(&Media, f32) -> f32 + Copy,
     ) -> f32 {
         let place = ((wavelength / SHORTEST).log2() * PER_OCTAVE).clamp(0.0, (ROWS - 1) as f32);
         let index = (place as usize).min(ROWS - 2);
         let blend = place - index as f32;
-        let [a, b] = [index, index + 1].map(|row| &self.row(heights, row)[passage]);
+        let [a, b] = [index, index + 1].map(|row| &self.row(heights, row, share)[side]);
         if a.idle && b.idle {
             return 0.0;
         }
@@ -88,30 +93,49 @@ impl Cap {
         first + blend * (value(b) - first)
     }
 
-    fn row(&self, heights: &Heights, row: usize) -> &[Table] {
+    fn row(
+        &self,
+        heights: &Heights,
+        row: usize,
+        share: impl Fn(&Media, f32) -> f32 + Copy,
+    ) -> &[Table] {
         self.rows[row].get_or_init(|| {
             let wavelength = SHORTEST * (row as f32 / PER_OCTAVE).exp2();
             let lit = Lit::new(heights, wavelength);
-            let table = |media: &Media| {
+            let table = |passages: &Vec<Media>| {
                 let values: [f32; ANGLES] = std::array::from_fn(|angle| {
                     let ln_cos = LOWEST * (1.0 - angle as f32 / (ANGLES - 1) as f32);
-                    albedo_ratio(&lit, *media, ln_cos.exp()).max(1e-30).ln()
+                    let (mut diffuse, mut rest) = (0.0, 0.0);
+                    for media in passages {
+                        let [lobe, room] =
+                            powers(&lit, *media, ln_cos.exp(), |cos| share(media, cos));
+                        diffuse += lobe;
+                        rest += room;
+                    }
+                    (diffuse / rest.max(1e-30)).max(1e-30).ln()
                 });
                 // what quadrature in single precision cannot tell from 1
                 let idle = values.iter().all(|v| *v < 2e-4);
                 Table { values, idle }
             };
-            self.passages.iter().map(table).collect()
+            self.sides.iter().map(table).collect()
         })
     }
 }
 
-/// A for light at a cosine, by quadrature over the disk of outgoing tangential directions about the mirror or Snell
-/// direction: panels that double outward from the width of the lobe, the last one graded toward the rim.
-pub(super) fn albedo_ratio(lit: &Lit<'_>, media: Media, cos_i: f32) -> f32 {
-    let share = -(-lit.specular_variance(media.reversed(), cos_i)).exp_m1();
-    if share <= 0.0 {
-        return 0.0;
+/// Diffuse power of light at a cosine, and what the sharp part leaves of the facet's own, `M(n) (1 − e^(−g))`.
+///
+/// By quadrature over the disk of outgoing tangential directions about the mirror or Snell direction: panels that double
+/// outward from the width of the lobe, the last one graded toward the rim. `share` is a facet's power at a cosine.
+pub(super) fn powers(
+    lit: &Lit<'_>,
+    media: Media,
+    cos_i: f32,
+    share: impl Fn(f32) -> f32,
+) -> [f32; 2] {
+    let room = -(-lit.specular_variance(media.reversed(), cos_i)).exp_m1();
+    if room <= 0.0 {
+        return [0.0; 2];
     }
     let sin_i = (1.0 - cos_i * cos_i).max(0.0).sqrt();
     let i = Vec3A::new(sin_i, 0.0, cos_i);
@@ -122,7 +146,13 @@ pub(super) fn albedo_ratio(lit: &Lit<'_>, media: Media, cos_i: f32) -> f32 {
         let (x, y) = (radius * cos - centre, radius * sin);
         let cos_o = (1.0 - x * x - y * y).max(1e-7).sqrt();
         let o = Vec3A::new(x, y, below * cos_o);
-        lit.power(media, i, o, &Blur::NONE) / (cos_o * cos_i)
+        let power = lit.power(media, i, o, &Blur::NONE) / (cos_o * cos_i);
+        if power > 0.0 {
+            let h = media.momentum(i, o).normalize();
+            power * share(i.dot(h).abs().min(1.0))
+        } else {
+            0.0
+        }
     };
     let nodes = || RULE.into_iter().flat_map(|[x, w]| [[-x, w], [x, w]]);
     let mut sum = 0.0;
@@ -157,5 +187,5 @@ pub(super) fn albedo_ratio(lit: &Lit<'_>, media: Media, cos_i: f32) -> f32 {
             sum += 2.0 * 0.25 * PI * w * along;
         }
     }
-    sum / share
+    [sum, room * share(cos_i)]
 }

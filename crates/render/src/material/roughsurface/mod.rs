@@ -24,10 +24,9 @@
 //! with polarization. `exponential` is `k` with `exponent` 1.5: steps without slopes, and a far-reaching lobe.
 //!
 //! Where slopes exist Smith's shadowing is on the lobe; a reciprocal factor keeps it from making light at grazing
-//! incidence. On glass the factor is on reflection and refraction each by itself: beyond 80° both together may hold some
-//! percent too much (4 % at 87° for σ = λ/10, l = 5 λ). Light that would meet a second facet is lost. The lobe answers to
-//! the coherence of light: emitters are cut into patches. A metal is one-sided, glass has two sides. Lobes are good to
-//! 5e-4 of their peak.
+//! incidence, reflected and refracted together. Light that would meet a second facet is lost. The lobe answers to the
+//! coherence of light: emitters are cut into patches. A metal is one-sided, glass has two sides. Lobes are good to 5e-4 of
+//! their peak.
 //!
 //! Source: Beckmann and Spizzichino, The Scattering of Electromagnetic Waves from Rough Surfaces, 1963, chapter 5;
 //! Theorem S4.1 of Steinberg and Yan's supplemental; facets: Walter et al., EGSR 2007, Eqs. 20, 21.
@@ -121,7 +120,7 @@ impl RoughSurface {
             return Ok(Self {
                 heights,
                 facet: Facet::Metal(Metal::read(object)?),
-                cap: Cap::new(vec![media]),
+                cap: Cap::new(vec![vec![media]]),
             });
         };
         if let Some(metal) = ["material", "eta", "k"].into_iter().find(|n| object.has(n)) {
@@ -157,10 +156,8 @@ impl RoughSurface {
             heights,
             facet: Facet::Glass(Box::new(glass)),
             cap: Cap::new(vec![
-                passage(0, 0),
-                passage(1, 1),
-                passage(0, 1),
-                passage(1, 0),
+                vec![passage(0, 0), passage(0, 1)],
+                vec![passage(1, 1), passage(1, 0)],
             ]),
         })
     }
@@ -216,12 +213,35 @@ impl RoughSurface {
 
     /// `1/max(1, A(i), A(o))`.
     #[inline]
-    fn cap(&self, media: Media, i: Vec3A, o: Vec3A, wavelength: f32) -> f32 {
-        let inner = |v: Vec3A| usize::from(v.z < 0.0 && !self.is_metal());
-        let table = |v: Vec3A| inner(v) + if media.transmitted { 2 } else { 0 };
-        let ratio = |v: Vec3A| self.cap.log_ratio(&self.heights, table(v), wavelength, v.z);
+    fn cap(&self, i: Vec3A, o: Vec3A, wavelength: f32) -> f32 {
+        let ratio = |v: Vec3A| {
+            let side = usize::from(v.z < 0.0 && !self.is_metal());
+            let share = |media: &Media, cos: f32| self.share(side, media, cos);
+            self.cap
+                .log_ratio(&self.heights, side, wavelength, v.z, share)
+        };
         let most = ratio(i).max(ratio(o)).max(0.0);
         if most > 0.0 { (-most).exp() } else { 1.0 }
+    }
+
+    /// The power by which a facet answers light from a side; of a metal, one without loss.
+    fn share(&self, side: usize, media: &Media, cos: f32) -> f32 {
+        match &self.facet {
+            Facet::Metal(_) => 1.0,
+            Facet::Glass(glass) => {
+                let face = if side == 0 {
+                    &glass.outside
+                } else {
+                    &glass.inside
+                };
+                let reflected = face.reflection(f64::from(cos)).mean as f32;
+                if media.transmitted {
+                    1.0 - reflected
+                } else {
+                    reflected
+                }
+            }
+        }
     }
 
     /// The matrix of a facet at `cos` for light from `i`'s side, radiance not counted by indices.
@@ -347,7 +367,7 @@ impl Matter for RoughSurface {
             if power <= 0.0 {
                 return Element::BLACK;
             }
-            let weight = power * self.cap(media, i, o, wavelength) / o.z.abs();
+            let weight = power * self.cap(i, o, wavelength) / o.z.abs();
             self.facet(i, cos, transmitted, wavelength).scaled(weight)
         });
         (response, density)
