@@ -11,4 +11,5 @@ mod given_matrices;
 mod layered;
 mod mueller;
 mod rhomb;
+mod roughsurface;
 mod through_plates;

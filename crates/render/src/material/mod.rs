@@ -18,6 +18,7 @@ pub mod pplastic;
 pub mod retarder;
 pub mod rotator;
 pub mod roughconductor;
+pub mod roughsurface;
 #[cfg(test)]
 pub mod testing;
 pub mod twosided;
@@ -123,6 +124,8 @@ pub enum Material {
     Conductor(conductor::Conductor),
     /// Rough metal.
     RoughConductor(roughconductor::RoughConductor),
+    /// Random heights, on metal or glass.
+    RoughSurface(Box<roughsurface::RoughSurface>),
     /// Smooth glass.
     Dielectric(dielectric::Dielectric),
     /// Polarizing plastic.
@@ -154,6 +157,7 @@ macro_rules! ask {
             Material::Diffuse($m) => $answer,
             Material::Conductor($m) => $answer,
             Material::RoughConductor($m) => $answer,
+            Material::RoughSurface($m) => $answer,
             Material::Dielectric($m) => $answer,
             Material::Pplastic($m) => $answer,
             Material::Polarizer($m) => $answer,
@@ -232,6 +236,7 @@ impl Material {
                 false
             }
             Self::Layered(layered) => !layered.is_opaque(),
+            Self::RoughSurface(surface) => !surface.is_metal(),
             Self::Mueller(element) => !element.is_mirror(),
             _ => true,
         }

@@ -33,6 +33,7 @@ use crate::material::pplastic::Pplastic;
 use crate::material::retarder::Retarder;
 use crate::material::rotator::Rotator;
 use crate::material::roughconductor::RoughConductor;
+use crate::material::roughsurface::RoughSurface;
 use crate::material::twosided::TwoSided;
 use crate::path::PathOptions;
 use crate::sensor::perspective::Perspective;
@@ -417,6 +418,7 @@ fn read_material(object: &Rc<Object>) -> Result<Material, SceneError> {
         "diffuse" => Material::Diffuse(Diffuse::read(object)?),
         "conductor" => Material::Conductor(Conductor::read(object)?),
         "roughconductor" => Material::RoughConductor(RoughConductor::read(object)?),
+        "roughsurface" => Material::RoughSurface(Box::new(RoughSurface::read(object)?)),
         "dielectric" => Material::Dielectric(Dielectric::read(object)?),
         "pplastic" => Material::Pplastic(Pplastic::read(object)?),
         "polarizer" => Material::Polarizer(Polarizer::read(object)?),

@@ -28,6 +28,7 @@ const KINDS: [Kind; 8] = [
             "retarder",
             "rotator",
             "roughconductor",
+            "roughsurface",
             "twosided",
         ],
         missing: &[
