@@ -229,12 +229,12 @@ impl Outline {
     }
 
     fn area(&self) -> f32 {
-        let square = self.half_u.cross(self.half_v).length();
-        if self.round {
-            PI * square
-        } else {
-            4.0 * square
-        }
+        self.unit_area() * self.half_u.cross(self.half_v).length()
+    }
+
+    /// Area in its own coordinates.
+    pub(crate) fn unit_area(&self) -> f32 {
+        if self.round { PI } else { 4.0 }
     }
 
     /// Coordinates of a point of the plane.
@@ -319,7 +319,8 @@ impl<'a> Cut<'a> {
                 sphere: None,
             },
             cells: Cells::Disk {
-                rings: pieces((2.0 * cap).sqrt(), largest),
+                // the map from the disk is widest at the rim
+                rings: pieces(cone_widths(cap, 1.0)[0], largest),
             },
         }
     }
@@ -358,9 +359,13 @@ impl<'a> Cut<'a> {
             }
             Source::Cone { axis, cap, sphere } => {
                 let direction = cone_direction(axis, *cap, cell.mean);
+                let [along, around] = cone_widths(*cap, cell.mean.length_squared());
+                let outward = cell.mean.normalize_or(Vec2::X);
+                let tangent = axis.to_world(vec2(-outward.y, outward.x).extend(0.0).into());
+                let meridian = tangent.cross(direction);
                 let across = |root: Vec2| {
-                    let v = (axis.s * root.x + axis.t * root.y) * (2.0 * cap).sqrt();
-                    v - direction * v.dot(direction)
+                    meridian * (root.dot(outward) * along)
+                        + tangent * (outward.perp_dot(root) * around)
                 };
                 let distance = sphere.map_or(f32::INFINITY, |(_, distance)| distance);
                 Patch {
@@ -416,6 +421,13 @@ impl<'a> Cut<'a> {
             }
         })
     }
+}
+
+/// How many radians the unit of the disk spans in [`cone_direction`], along the meridian and around the axis, at a
+/// given squared distance from the centre.
+fn cone_widths(cap: f32, squared: f32) -> [f32; 2] {
+    let rest = 2.0 - cap * squared;
+    [2.0 * (cap / rest).sqrt(), (cap * rest).sqrt()]
 }
 
 /// The direction at a point of the unit disk, which maps to the cone with equal areas.

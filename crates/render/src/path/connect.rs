@@ -4,7 +4,7 @@ use glam::Vec3A;
 
 use super::{PathOptions, Walk, power_heuristic};
 use crate::coherence::Coherence;
-use crate::emitter::patch::Cut;
+use crate::emitter::patch::{Cut, Patch};
 use crate::emitter::{Emitter, Target};
 use crate::geometry::frame::Frame;
 use crate::geometry::ray::offset_origin;
@@ -24,6 +24,12 @@ const WIDEST_PATCH: f32 = 0.05;
 #[inline]
 pub(super) fn largest_patch(options: &PathOptions, lobe: f32) -> f32 {
     (options.patch * lobe).min(WIDEST_PATCH)
+}
+
+/// Density per steradian of connections to a patch of a cut of which one is drawn, with the choice of the emitter.
+#[inline]
+pub(super) fn patch_density(scene: &Scene, cut: &Cut<'_>, patch: &Patch) -> f32 {
+    scene.chance_of_emitter() / (patch.solid_angle * cut.len() as f32)
 }
 
 /// A vertex that looks for light.
@@ -66,14 +72,17 @@ impl<'a, L: Light> Walk<'a, L> {
         {
             let arrival = if cut.len() <= MOST_SUMMED {
                 self.all_patches(throughput, place, emitter, cut, u[2])
+                    .map(|arrival| Arrival {
+                        weight: arrival.weight / chosen,
+                        ..arrival
+                    })
             } else {
-                self.one_patch(place, emitter, cut, chosen, u[2])
+                self.one_patch(place, emitter, cut, u[2])
             };
-            if let Some(mut arrival) = arrival
+            if let Some(arrival) = arrival
                 && let Some((cut, index)) = arrival.patch
                 && let Some((direction, target)) = cut.point(index, [u[0], u[1]])
             {
-                arrival.weight /= chosen;
                 self.add(throughput, place, &arrival, direction, target);
             }
             return;
@@ -135,7 +144,6 @@ impl<'a, L: Light> Walk<'a, L> {
         place: &Place<'_>,
         emitter: &Emitter,
         cut: Cut<'b>,
-        chosen: f32,
         u: f32,
     ) -> Option<Arrival<'b, L>> {
         let count = cut.len();
@@ -145,12 +153,12 @@ impl<'a, L: Light> Walk<'a, L> {
         if own <= 0.0 {
             return None;
         }
-        let density = (patch.solid_angle * count as f32).recip();
+        let density = patch_density(self.scene, &cut, &patch);
         Some(Arrival {
             response,
             emission: emitter.emit(-patch.direction, patch.centre, self.wavelengths),
             direction: patch.direction,
-            weight: power_heuristic(density * chosen, own) / density,
+            weight: power_heuristic(density, own) / density,
             patch: Some((cut, index)),
         })
     }

@@ -178,20 +178,26 @@ impl Scene {
         let emitter = self
             .emitters
             .get(((choice * count as f32) as usize).min(count.checked_sub(1)?))?;
-        Some((emitter, (count as f32).recip()))
+        Some((emitter, self.chance_of_emitter()))
+    }
+
+    /// The probability of each light source in [`Scene::choose_emitter`].
+    #[inline]
+    pub fn chance_of_emitter(&self) -> f32 {
+        (self.emitters.len() as f32).recip()
     }
 
     /// Density of connections to the point that a ray from `from` has hit.
     #[inline]
     pub fn density_of_hit(&self, emitter: u32, from: Vec3A, at: &Surface) -> f32 {
-        self.emitters[emitter as usize].density_of_hit(self, from, at) / self.emitters.len() as f32
+        self.emitters[emitter as usize].density_of_hit(self, from, at) * self.chance_of_emitter()
     }
 
     /// Density of connections for a direction in which a ray has left the scene.
     #[inline]
     pub fn density_of_miss(&self, frame: &Frame, direction: Vec3A) -> f32 {
         match self.environment.map(|e| &self.emitters[e as usize]) {
-            Some(Emitter::Constant(e)) => e.density(frame, direction) / self.emitters.len() as f32,
+            Some(Emitter::Constant(e)) => e.density(frame, direction) * self.chance_of_emitter(),
             _ => 0.0,
         }
     }
