@@ -497,6 +497,8 @@ mod tests {
             Cut::sphere(&sphere, Vec3A::ZERO, 1.0).expect("from outside"),
             Cut::sphere(&sphere, Vec3A::ZERO, 0.03).expect("from outside"),
             Cut::cone(Frame::around(Vec3A::Y), 0.01, 0.04),
+            // a wide one, whose patches are foreshortened
+            Cut::cone(Frame::around(Vec3A::Y), 0.7, 0.04),
         ];
         for cut in &cuts {
             let samples = 40_000;

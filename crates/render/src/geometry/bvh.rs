@@ -164,7 +164,8 @@ impl Bvh {
         let stack = &mut stack.0[..];
         let shear = Shear::new(ray);
         let inverse = ray.direction.recip();
-        let far_side = ray.direction.cmpge(Vec3A::ZERO).bitmask() as usize;
+        // of the inverse: a component of −0 runs toward −∞
+        let far_side = inverse.cmpge(Vec3A::ZERO).bitmask() as usize;
         let side = [far_side & 1, far_side >> 1 & 1, far_side >> 2 & 1];
         let origin = [
             Vec4::splat(ray.origin.x),

@@ -7,6 +7,8 @@ pub mod circular;
 pub mod conductor;
 pub mod dielectric;
 pub mod diffuse;
+#[cfg(test)]
+pub mod lobe;
 pub mod microfacet;
 pub mod null;
 pub mod polarizer;
@@ -129,6 +131,9 @@ pub enum Material {
     Null(null::Null),
     /// Matter with two sides.
     TwoSided(twosided::TwoSided),
+    /// Matter for tests.
+    #[cfg(test)]
+    Lobe(lobe::Lobe),
 }
 
 /// One match for all questions.
@@ -145,6 +150,8 @@ macro_rules! ask {
             Material::Circular($m) => $answer,
             Material::Null($m) => $answer,
             Material::TwoSided($m) => $answer,
+            #[cfg(test)]
+            Material::Lobe($m) => $answer,
         }
     };
 }

@@ -14,7 +14,25 @@ use crate::scene::Scene;
 use crate::shape::Surface;
 
 /// As many patches as this are summed at one vertex; of more one is drawn.
-pub(super) const MOST_SUMMED: u32 = 32;
+///
+/// Chosen by `path::patch_tests::what_summing_patches_costs`, which prints variance times time of either.
+const MOST_SUMMED: u32 = 32;
+
+#[cfg(test)]
+thread_local! {
+    /// What tests want instead.
+    pub(super) static MOST_SUMMED_HERE: std::cell::Cell<u32> = const { std::cell::Cell::new(MOST_SUMMED) };
+}
+
+/// Whether connections sum all patches of a cut, so that hits must not count.
+#[inline]
+pub(super) fn sums_all(cut: &Cut<'_>) -> bool {
+    #[cfg(test)]
+    let most = MOST_SUMMED_HERE.get();
+    #[cfg(not(test))]
+    let most = MOST_SUMMED;
+    cut.len() <= most
+}
 
 /// Largest half-width of a patch, radians: cosines, distances and Fresnel coefficients are taken at its centre, which
 /// errs by the square of it.
@@ -70,7 +88,7 @@ impl<'a, L: Light> Walk<'a, L> {
         if let Some(lobe) = place.lobe
             && let Some(cut) = emitter.cut(self.scene, position, largest_patch(self.options, lobe))
         {
-            let arrival = if cut.len() <= MOST_SUMMED {
+            let arrival = if sums_all(&cut) {
                 self.all_patches(throughput, place, emitter, cut, u[2])
                     .map(|arrival| Arrival {
                         weight: arrival.weight / chosen,

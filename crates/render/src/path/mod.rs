@@ -11,6 +11,8 @@
 //! `connect.rs` looks for light from a vertex, `way.rs` follows specular matter.
 
 mod connect;
+#[cfg(test)]
+mod patch_tests;
 mod way;
 
 use glam::Vec3A;
@@ -386,7 +388,7 @@ impl<'a, L: Light> Walk<'a, L> {
             _ => None,
         };
         let (response, share, position) = if let Some(cut) = cut {
-            if cut.len() <= connect::MOST_SUMMED {
+            if connect::sums_all(&cut) {
                 // connections have seen all of it
                 return;
             }
