@@ -244,7 +244,9 @@ fn all_patches_or_one_is_the_same() {
         MOST_SUMMED_HERE.set(most);
         for patch in [0.1, 0.5] {
             let what = format!("at most {most} summed");
-            assert_seen(&what, &built, patch, 60_000, expected, bias(patch));
+            // the sum has no noise, but takes its time
+            let samples = if most == 0 { 60_000 } else { 1000 };
+            assert_seen(&what, &built, patch, samples, expected, bias(patch));
         }
     }
 }
