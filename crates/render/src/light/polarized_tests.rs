@@ -47,7 +47,7 @@ impl Dice {
 ///
 /// Source: Goldstein, Polarized Light, 3rd ed., Eq. (6.44): turned by θ, S1' = S1 cos 2θ + S2 sin 2θ.
 fn turn(from: Vec3A, to: Vec3A, k: Vec3A) -> DMat4 {
-    let [from, to, k]: [DVec3; 3] = [from, to, k].map(|v| v.as_dvec3());
+    let [from, to, k]: [DVec3; 3] = [from, to, k].map(Vec3A::as_dvec3);
     let theta = k.cross(from).dot(to).atan2(from.dot(to));
     let (s, c) = (2.0 * theta).sin_cos();
     DMat4::from_cols(

@@ -349,10 +349,59 @@ impl<'a, L: Light> Walk<'a, L> {
     }
 
     /// Light of an emitter that the path has met.
+    #[inline]
     fn collect_hit(
         &mut self,
         throughput: &L::Throughput,
         behind: Option<&Behind<'a, L>>,
+        emitter: u32,
+        encounter: Option<&Encounter>,
+        ray: &Ray,
+    ) {
+        let source = &self.scene.emitters[emitter as usize];
+        let k = -ray.direction;
+        let share = match behind {
+            None => 1.0,
+            Some(from) => match from.waits {
+                None => self.plane_wave_share(from, emitter, encounter),
+                Some(lobe) => {
+                    self.collect_patch(throughput, from, lobe, emitter, encounter, ray);
+                    return;
+                }
+            },
+        };
+        let position = encounter.map_or(Vec3A::ZERO, |e| e.surface.position);
+        let emission = source.emit::<L>(k, position, self.wavelengths);
+        L::accumulate(&mut self.seen, L::collect(throughput, &emission, k), share);
+    }
+
+    /// Weight of a hit beside connections from the vertex behind to single directions of the same light.
+    #[inline]
+    fn plane_wave_share(
+        &self,
+        from: &Behind<'a, L>,
+        emitter: u32,
+        encounter: Option<&Encounter>,
+    ) -> f32 {
+        let other = match encounter {
+            _ if !from.way.straight => return 1.0,
+            Some(e) => self
+                .scene
+                .density_of_hit(emitter, from.vertex.position, &e.surface),
+            None => self
+                .scene
+                .density_of_miss(&from.lit_frame, from.way.direction),
+        };
+        power_heuristic(from.departure.density, other)
+    }
+
+    /// Light of an emitter for a vertex behind that has waited for it: with the coherence of the patch that was hit.
+    #[inline(never)]
+    fn collect_patch(
+        &mut self,
+        throughput: &L::Throughput,
+        from: &Behind<'a, L>,
+        lobe: f32,
         emitter: u32,
         encounter: Option<&Encounter>,
         ray: &Ray,
@@ -363,25 +412,6 @@ impl<'a, L: Light> Walk<'a, L> {
             -ray.direction,
             encounter.map_or(Vec3A::ZERO, |e| e.surface.position),
         );
-        // how connections from the vertex behind sample the same light
-        let other = |from: &Behind<'a, L>| match encounter {
-            _ if !from.way.straight => 0.0,
-            Some(e) => scene.density_of_hit(emitter, from.vertex.position, &e.surface),
-            None => scene.density_of_miss(&from.lit_frame, from.way.direction),
-        };
-        let Some(from) = behind else {
-            let emission = source.emit::<L>(k, position, self.wavelengths);
-            L::accumulate(&mut self.seen, L::collect(throughput, &emission, k), 1.0);
-            return;
-        };
-        let density = from.departure.density;
-        let Some(lobe) = from.waits else {
-            let emission = source.emit::<L>(k, position, self.wavelengths);
-            let share = power_heuristic(density, other(from));
-            L::accumulate(&mut self.seen, L::collect(throughput, &emission, k), share);
-            return;
-        };
-
         let largest = connect::largest_patch(self.options, lobe);
         let cut = match encounter {
             Some(_) if from.way.straight => source.cut(scene, from.vertex.position, largest),
@@ -407,7 +437,11 @@ impl<'a, L: Light> Walk<'a, L> {
         } else {
             let i = from.departure.direction;
             let (response, _) = self.respond_behind(from, i, &Coherence::PLANE_WAVE);
-            (response, power_heuristic(density, other(from)), position)
+            (
+                response,
+                self.plane_wave_share(from, emitter, encounter),
+                position,
+            )
         };
         let throughput = Self::through(throughput, from, response);
         let emission = source.emit::<L>(k, position, self.wavelengths);

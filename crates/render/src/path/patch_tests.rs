@@ -77,7 +77,7 @@ fn flat_xml(round: bool, columns: [DVec3; 4], radiance: f64) -> String {
 
 fn sphere(centre: DVec3, radius: f64) -> Lamp {
     let axis = Frame::around(centre.normalize().as_vec3a());
-    let [s, t, n] = [axis.s, axis.t, axis.n].map(|v| v.as_dvec3());
+    let [s, t, n] = [axis.s, axis.t, axis.n].map(Vec3A::as_dvec3);
     let cap = 1.0 - (1.0 - (radius / centre.length()).powi(2)).sqrt();
     let directions = midpoints()
         .map(|(a, b)| {
