@@ -39,9 +39,9 @@ def binary() -> str:
     return next(m["executable"] for m in messages if m.get("executable"))
 
 
-def render(scene: Path, out: Path, *options: str) -> dict[str, Any]:
-    """Render `scene` to `out` and return what `--json` reports."""
-    command = [binary(), "render", str(scene), "-o", str(out), "--quiet", "--json", *options]
+def render(scene: Path, out: Path, *options: str, program: str | None = None) -> dict[str, Any]:
+    """Render `scene` to `out`, with `program` or `binary()`, and return what `--json` reports."""
+    command = [program or binary(), "render", str(scene), "-o", str(out), "--quiet", "--json", *options]
     run = subprocess.run(command, text=True, stdout=subprocess.PIPE)
     if run.returncode != 0:
         give_up(f"failed with status {run.returncode}: {' '.join(command)}")

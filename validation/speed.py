@@ -4,9 +4,13 @@ Six scenes at 256×256.  CPU seconds of all threads while sampling; loading, bui
 left out on both sides.  Each figure is the best of --repetitions.  Mitsuba's figures come from
 `mitsuba_speed.json` and, where its wheel is installed, from the same run, the programs taking
 turns.  Ratios above 1 mean that Brewster is faster; `cost` is polarized over unpolarized time.
+
+With --against another build of Brewster the two take turns instead: CPU time of this build over
+that of the other, the median over the turns and the ratio of the best.
 """
 
 import json
+import statistics
 import sys
 import tempfile
 from pathlib import Path
@@ -21,11 +25,11 @@ SIZE = "256x256"
 PASS = 16
 
 
-def brewster(scene: Path, spp: int, *options: str) -> float:
+def brewster(scene: Path, spp: int, *options: str, program: str | None = None) -> float:
     """Return 10⁶ paths per core-second of one render."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "image.exr"
-        told = render(scene, out, "--size", SIZE, "--spp", str(spp), *options)
+        told = render(scene, out, "--size", SIZE, "--spp", str(spp), *options, program=program)
     return told["paths"] / told["sampling_cpu_s"] / 1e6
 
 
@@ -36,6 +40,20 @@ def mitsuba(python: str, scene: Path) -> float:
     return told["paths"] / min(told["cpu_s"]) / 1e6
 
 
+def against(other: str, names: list[str], spp: int, repetitions: int) -> None:
+    """Print the CPU time of this build over that of another, scene by scene."""
+    print("| scene | time over the other's, median of turns | of the best |")
+    print("|---" * 3 + "|")
+    for name in names:
+        scene = SCENES / name / "scene.xml"
+        turns = [
+            (brewster(scene, spp, program=other), brewster(scene, spp)) for _ in range(repetitions)
+        ]
+        median = statistics.median(theirs / ours for theirs, ours in turns)
+        best = max(theirs for theirs, _ in turns) / max(ours for _, ours in turns)
+        print(f"| {name} | {median:.3f} | {best:.3f} |", flush=True)
+
+
 def main() -> int:
     """Measure every scene and print the table."""
     parser = arguments(__doc__)
@@ -43,8 +61,12 @@ def main() -> int:
     parser.add_argument("scenes", nargs="*", help=f"names (default: {' '.join(figures)})")
     parser.add_argument("--spp", type=int, default=32, help="samples a pixel (default 32)")
     parser.add_argument("--repetitions", type=int, default=3)
+    parser.add_argument("--against", metavar="PROGRAM", help="another build of Brewster")
     mitsuba_peer.add_arguments(parser)
     args = parser.parse_args()
+    if args.against:
+        against(args.against, args.scenes or list(figures), args.spp, args.repetitions)
+        return 0
     beside = mitsuba_peer.installed(args.python)
     if args.require and not beside:
         return skip(mitsuba_peer.MISSING, required=True)

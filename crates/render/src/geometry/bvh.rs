@@ -164,7 +164,7 @@ impl Bvh {
         let stack = &mut stack.0[..];
         let shear = Shear::new(ray);
         let inverse = ray.direction.recip();
-        // of the inverse: that of −0 is −∞
+        // of the inverse: a component of −0 runs toward −∞
         let far_side = inverse.cmpge(Vec3A::ZERO).bitmask() as usize;
         let side = [far_side & 1, far_side >> 1 & 1, far_side >> 2 & 1];
         let origin = [

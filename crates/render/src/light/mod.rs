@@ -16,6 +16,8 @@
 
 mod intensity;
 mod polarized;
+#[cfg(test)]
+mod polarized_tests;
 
 use glam::{Mat4, Vec3, Vec3A, Vec4, vec4};
 use stokes::DiattenuatingRetarder;

@@ -10,6 +10,8 @@ pub mod dielectric;
 pub mod diffuse;
 pub mod index;
 pub mod layered;
+#[cfg(test)]
+pub mod lobe;
 pub mod microfacet;
 pub mod mueller;
 pub mod null;
@@ -148,6 +150,9 @@ pub enum Material {
     Mueller(mueller::MuellerElement),
     /// Matter with two sides.
     TwoSided(twosided::TwoSided),
+    /// Matter for tests.
+    #[cfg(test)]
+    Lobe(lobe::Lobe),
 }
 
 /// One match for all questions.
@@ -169,6 +174,8 @@ macro_rules! ask {
             Material::Rotator($m) => $answer,
             Material::Mueller($m) => $answer,
             Material::TwoSided($m) => $answer,
+            #[cfg(test)]
+            Material::Lobe($m) => $answer,
         }
     };
 }

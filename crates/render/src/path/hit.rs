@@ -7,15 +7,63 @@ use super::{Behind, Walk, connect, power_heuristic};
 use crate::coherence::Coherence;
 use crate::geometry::ray::Ray;
 use crate::light::Light;
-use crate::material::{Matter, Part};
 use crate::scene::Encounter;
 
 impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
     /// Light of an emitter that the path has met.
+    #[inline]
     pub(super) fn collect_hit(
         &mut self,
         throughput: &L::Throughput,
         behind: Option<&Behind<'a, L>>,
+        emitter: u32,
+        encounter: Option<&Encounter>,
+        ray: &Ray,
+    ) {
+        let source = &self.scene.emitters[emitter as usize];
+        let k = -ray.direction;
+        let share = match behind {
+            None => 1.0,
+            Some(from) => match from.waits {
+                None => self.plane_wave_share(from, emitter, encounter),
+                Some(lobe) => {
+                    self.collect_patch(throughput, from, lobe, emitter, encounter, ray);
+                    return;
+                }
+            },
+        };
+        let position = encounter.map_or(Vec3A::ZERO, |e| e.surface.position);
+        let emission = source.emit::<L>(k, position, self.wavelengths);
+        self.add_light(L::collect(throughput, &emission, k), share, None);
+    }
+
+    /// Weight of a hit beside connections from the vertex behind to single directions of the same light.
+    #[inline]
+    fn plane_wave_share(
+        &self,
+        from: &Behind<'a, L>,
+        emitter: u32,
+        encounter: Option<&Encounter>,
+    ) -> f32 {
+        let other = match encounter {
+            _ if !from.way.straight => return 1.0,
+            Some(e) => self
+                .scene
+                .density_of_hit(emitter, from.vertex.position, &e.surface),
+            None => self
+                .scene
+                .density_of_miss(&from.lit_frame, from.way.direction),
+        };
+        power_heuristic(from.departure.density, other)
+    }
+
+    /// Light of an emitter for a vertex behind that has waited for it: with the coherence of the patch that was hit.
+    #[inline(never)]
+    fn collect_patch(
+        &mut self,
+        throughput: &L::Throughput,
+        from: &Behind<'a, L>,
+        lobe: f32,
         emitter: u32,
         encounter: Option<&Encounter>,
         ray: &Ray,
@@ -26,63 +74,46 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
             -ray.direction,
             encounter.map_or(Vec3A::ZERO, |e| e.surface.position),
         );
-        // how connections from the vertex behind sample the same light
-        let other = |from: &Behind<'a, L>| match encounter {
-            _ if !from.way.straight => 0.0,
-            Some(e) => scene.density_of_hit(emitter, from.vertex.position, &e.surface),
-            None => scene.density_of_miss(&from.lit_frame, from.way.direction),
-        };
-        let Some(from) = behind else {
-            let emission = source.emit::<L>(k, position, self.wavelengths);
-            self.add_light(L::collect(throughput, &emission, k), 1.0, None);
-            return;
-        };
-        let density = from.departure.density;
-        let Some(lobe) = from.waits else {
-            let emission = source.emit::<L>(k, position, self.wavelengths);
-            let share = power_heuristic(density, other(from));
-            self.add_light(L::collect(throughput, &emission, k), share, None);
-            return;
-        };
-
         let largest = connect::largest_patch(self.options, lobe);
         let cut = match encounter {
             Some(_) if from.way.straight => source.cut(scene, from.vertex.position, largest),
             _ => None,
         };
-        let (share, i, coherence, position) = if let Some(cut) = cut {
-            if cut.len() <= connect::MOST_SUMMED {
+        let (response, share, position, i, coherence) = if let Some(cut) = cut {
+            if connect::sums_all(&cut) {
                 // connections have seen all of it
                 return;
             }
             let patch = cut.patch(cut.find(position, from.way.direction));
             let i = from.vertex.frame.to_local(patch.direction);
-            let coherence = patch.coherence();
-            let (_, own) = from.material.respond::<L>(
-                &from.vertex,
+            let (response, own) = self.respond_behind(from, i, &patch.coherence());
+            let other = connect::patch_density(scene, &cut, &patch);
+            (
+                response,
+                power_heuristic(own, other),
+                patch.centre,
                 i,
-                Part::Continuous,
-                self.wavelengths,
-                &coherence,
-            );
-            let other = (patch.solid_angle * cut.len() as f32).recip();
-            (power_heuristic(own, other), i, coherence, patch.centre)
+                patch.coherence(),
+            )
         } else if !from.way.straight
             && let Some(e) = encounter
             && let Some(patch) = self.patch_through(from, source, &e.surface, ray, largest)
         {
             let i = from.vertex.frame.to_local(patch.direction);
-            (1.0, i, patch.coherence(), patch.centre)
+            let (response, _) = self.respond_behind(from, i, &patch.coherence());
+            (response, 1.0, patch.centre, i, patch.coherence())
         } else {
-            let share = power_heuristic(density, other(from));
+            let i = from.departure.direction;
+            let (response, _) = self.respond_behind(from, i, &Coherence::PLANE_WAVE);
             (
-                share,
-                from.departure.direction,
-                Coherence::PLANE_WAVE,
+                response,
+                self.plane_wave_share(from, emitter, encounter),
                 position,
+                i,
+                Coherence::PLANE_WAVE,
             )
         };
-        let throughput = self.through(throughput, from, i, &coherence);
+        let throughput = Self::through(throughput, from, response);
         let emission = source.emit::<L>(k, position, self.wavelengths);
         let toward = from.vertex.frame.to_world(i);
         self.add_light(

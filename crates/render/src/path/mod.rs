@@ -13,6 +13,8 @@
 
 mod connect;
 mod hit;
+#[cfg(test)]
+mod patch_tests;
 mod way;
 pub mod witness;
 
@@ -66,6 +68,8 @@ pub struct Counters {
 struct Behind<'a, L: Light> {
     material: &'a Material,
     vertex: Vertex,
+    /// Half-widths of the box that contains the true point, and the geometric normal: where its rays start.
+    start: (Vec3A, Vec3A),
     /// The vertex's frame with its normal on the camera's side.
     lit_frame: Frame,
     departure: Departure,
@@ -133,7 +137,7 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
         let (scene, options) = (self.scene, self.options);
         let mut throughput = L::identity(axis);
         let mut behind: Option<Behind<'a, L>> = None;
-        // the camera's own rays, until something scatters or bends them
+        // the camera's own rays, until they meet anything
         let mut first = true;
         // ratio of the indices along the path: roulette looks at power, not at radiance
         let mut eta = 1.0f32;
@@ -145,7 +149,7 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
             let mut encounter = scene.intersect(&ray, self.stack);
             let mut source = None;
             if options.hide_emitters && first {
-                encounter = self.beyond_emitters(&mut ray, encounter);
+                encounter = self.beyond_emitters(ray, encounter);
             } else {
                 source = match &encounter {
                     Some(e) => e
@@ -173,32 +177,33 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
             let surface = encounter.surface;
             let material = &scene.materials[encounter.owner.material as usize];
 
-            // light from matter that scatters comes to the vertex behind as plane waves
-            if !material.is_discrete()
-                && let Some(from) = &mut behind
-                && from.waits.take().is_some()
-            {
-                throughput = self.through(
-                    &throughput,
-                    from,
-                    from.departure.direction,
-                    &Coherence::PLANE_WAVE,
-                );
-                if L::strength(&throughput) <= 0.0 {
-                    break;
+            // light that matter scatters comes to the vertex behind as plane waves; what that matter lets through
+            // unscattered still has to tell where it comes from
+            let mut scattered = match &behind {
+                Some(from) if from.waits.is_some() && !material.is_discrete() => {
+                    Some(self.plane_wave_through(&throughput, from))
                 }
+                _ => None,
+            };
+            if scattered.as_ref().is_some_and(|s| L::strength(s) <= 0.0) {
+                break;
             }
-            let waits = behind.as_ref().is_some_and(|from| from.waits.is_some());
+            let known =
+                scattered.is_some() || behind.as_ref().is_none_or(|from| from.waits.is_none());
 
             // end weak paths
             let dimension = FIRST_VERTEX + PER_VERTEX * (depth - 1);
             let [choice, roulette] = self.stream.pair(dimension + 2);
-            if depth > options.rr_depth && !waits {
-                let survival = (L::strength(&throughput) * eta * eta).min(0.95);
+            if depth > options.rr_depth && known {
+                let reach = scattered.as_ref().unwrap_or(&throughput);
+                let survival = (L::strength(reach) * eta * eta).min(0.95);
                 if roulette >= survival {
                     break;
                 }
                 L::scale(&mut throughput, survival.recip());
+                if let Some(scattered) = &mut scattered {
+                    L::scale(scattered, survival.recip());
+                }
             }
 
             let frame = surface.frame;
@@ -240,7 +245,8 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
                     room: options.max_depth - depth - 1,
                 };
                 let u = self.stream.pair(dimension);
-                self.connect(&throughput, &place, emitter, share, [u[0], u[1], spare]);
+                let reach = scattered.as_ref().unwrap_or(&throughput);
+                self.connect(reach, &place, emitter, share, [u[0], u[1], spare]);
             }
 
             // go on toward the light
@@ -260,18 +266,17 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
                     let next = Behind {
                         material,
                         vertex,
+                        start: (surface.error, surface.normal),
                         lit_frame,
                         departure,
                         waits: lobe,
                         way: Way::new(direction),
                     };
+                    if let Some(scattered) = scattered {
+                        throughput = scattered;
+                    }
                     if lobe.is_none() {
-                        throughput = self.through(
-                            &throughput,
-                            &next,
-                            departure.direction,
-                            &Coherence::PLANE_WAVE,
-                        );
+                        throughput = self.plane_wave_through(&throughput, &next);
                     }
                     behind = Some(next);
                 }
@@ -287,10 +292,14 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
                     let weight = departure.density.recip();
                     match &mut behind {
                         Some(from) => {
-                            from.way.note(departure.part);
+                            from.way.note(departure.part, encounter.owner.material);
                             if from.waits.is_some() {
                                 from.way
                                     .extend(response, weight, o_world, vertex.viewer_distance);
+                                if from.way.is_lost() {
+                                    throughput = self.plane_wave_through(&throughput, from);
+                                    from.waits = None;
+                                }
                             } else {
                                 throughput = L::extend(&throughput, response, weight, o_world);
                             }
@@ -312,24 +321,47 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
         }
     }
 
-    /// The throughput with the vertex behind, lit along local `i`, and with the specular matter since.
+    /// What the vertex behind makes of light along local `i`, its axes in the world, and the density of the direction.
     #[inline]
-    fn through(
+    fn respond_behind(
         &self,
-        throughput: &L::Throughput,
         from: &Behind<'_, L>,
         i: Vec3A,
         coherence: &Coherence,
-    ) -> L::Throughput {
-        let Departure { density, part, .. } = from.departure;
+    ) -> (L::Response, f32) {
         let frame = from.vertex.frame;
-        let (response, _) =
-            from.material
-                .respond::<L>(&from.vertex, i, part, self.wavelengths, coherence);
-        let response = L::map_axes(response, |v| frame.to_world(v));
-        let o = frame.to_world(from.vertex.o);
-        from.way
-            .after(L::extend(throughput, response, density.recip(), o))
+        let (response, density) = from.material.respond::<L>(
+            &from.vertex,
+            i,
+            from.departure.part,
+            self.wavelengths,
+            coherence,
+        );
+        (L::map_axes(response, |v| frame.to_world(v)), density)
+    }
+
+    /// The throughput with the vertex behind and the specular matter since.
+    #[inline]
+    fn through(
+        throughput: &L::Throughput,
+        from: &Behind<'_, L>,
+        response: L::Response,
+    ) -> L::Throughput {
+        let o = from.vertex.frame.to_world(from.vertex.o);
+        let weight = from.departure.density.recip();
+        from.way.after(L::extend(throughput, response, weight, o))
+    }
+
+    /// The same for a plane wave from the direction that was drawn.
+    #[inline]
+    fn plane_wave_through(
+        &self,
+        throughput: &L::Throughput,
+        from: &Behind<'_, L>,
+    ) -> L::Throughput {
+        let i = from.departure.direction;
+        let (response, _) = self.respond_behind(from, i, &Coherence::PLANE_WAVE);
+        Self::through(throughput, from, response)
     }
 
     /// Light that has arrived at the sensor; `arrival` as [`Witness::hears`] has it.
@@ -342,7 +374,7 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
     /// The first surface along the ray that does not shine.
     fn beyond_emitters(
         &mut self,
-        ray: &mut Ray,
+        mut ray: Ray,
         mut encounter: Option<Encounter>,
     ) -> Option<Encounter> {
         while let Some(e) = encounter.filter(|e| e.owner.emitter.is_some()) {
@@ -353,7 +385,7 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
                 ray.direction,
             );
             self.counters.rays += 1;
-            encounter = self.scene.intersect(ray, self.stack);
+            encounter = self.scene.intersect(&ray, self.stack);
         }
         encounter
     }

@@ -35,8 +35,8 @@ pub(super) struct Way<L: Light> {
     pub(super) direction: Vec3A,
     /// Whether nothing has bent it.
     pub(super) straight: bool,
-    /// How it went at each specular vertex.
-    parts: [Part; LONGEST],
+    /// How it went at each specular vertex, and on which material.
+    parts: [(Part, u32); LONGEST],
     count: usize,
     /// What the matter does to the light, in the frame of `axis` at the vertex; kept while the vertex waits.
     matrix: Option<(Vec3A, L::Throughput)>,
@@ -50,7 +50,7 @@ impl<L: Light> Way<L> {
         Self {
             direction,
             straight: true,
-            parts: [Part::Straight; LONGEST],
+            parts: [(Part::Straight, 0); LONGEST],
             count: 0,
             matrix: None,
             length: 0.0,
@@ -59,12 +59,18 @@ impl<L: Light> Way<L> {
 
     /// Notes how it went on.
     #[inline]
-    pub(super) fn note(&mut self, part: Part) {
+    pub(super) fn note(&mut self, part: Part, material: u32) {
         self.straight &= part == Part::Straight;
         if let Some(place) = self.parts.get_mut(self.count) {
-            *place = part;
+            *place = (part, material);
         }
         self.count += 1;
+    }
+
+    /// Whether it is too long to be followed a second time.
+    #[inline]
+    pub(super) fn is_lost(&self) -> bool {
+        !self.straight && self.count > LONGEST
     }
 
     /// Multiplies matter into it, after a stretch of given length.
@@ -106,10 +112,11 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
     ) -> Option<Patch> {
         let outline = emitter.outline(self.scene)?;
         let axes = Frame::around(from.way.direction);
+        let (error, normal) = from.start;
         let start = Surface {
             position: from.vertex.position,
-            error: Vec3A::ZERO,
-            normal: from.vertex.frame.n,
+            error,
+            normal,
             frame: from.vertex.frame,
         };
         let mut shifts = [Vec3A::ZERO; 2];
@@ -137,14 +144,17 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
         outline: &Outline,
     ) -> Option<Vec3A> {
         let mut from = *start;
-        for part in way.parts.get(..way.count)? {
+        for (part, material) in way.parts.get(..way.count)? {
             self.counters.rays += 1;
             let ray = Ray {
                 origin: offset_origin(from.position, from.error, from.normal, direction),
                 direction,
                 t_max: f32::INFINITY,
             };
-            let met = self.scene.intersect(&ray, self.stack)?;
+            let met = self
+                .scene
+                .intersect(&ray, self.stack)
+                .filter(|met| met.owner.material == *material)?;
             let frame = met.surface.frame;
             let vertex = Vertex {
                 o: frame.to_local(-direction),
@@ -197,7 +207,7 @@ impl Outline {
             centre: self.at(centre),
             distance,
             angular_root: root.map(angle),
-            solid_angle: 4.0 * share / determinant.abs(),
+            solid_angle: share * self.unit_area() / determinant.abs(),
         })
     }
 }

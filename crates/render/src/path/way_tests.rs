@@ -63,7 +63,30 @@ fn distances(content: &str, from: DVec3, direction: DVec3, parts: &[Part]) -> Op
     let (position, direction) = (from.as_vec3a(), direction.as_vec3a());
     let frame = Frame::around(direction);
     let mut way = Way::new(direction);
-    parts.iter().for_each(|part| way.note(*part));
+    let mut ray = Ray {
+        origin: position,
+        direction,
+        t_max: f32::INFINITY,
+    };
+    for part in parts {
+        let met = walk.scene.intersect(&ray, walk.stack)?;
+        let surface = met.surface;
+        let vertex = Vertex {
+            o: surface.frame.to_local(-ray.direction),
+            position: surface.position,
+            frame: surface.frame,
+            viewer_distance: 1.0,
+        };
+        let bent = scene.materials[met.owner.material as usize].bend(&vertex, *part, &[550.0])?;
+        ray.direction = surface.frame.to_world(bent);
+        ray.origin = offset_origin(
+            surface.position,
+            surface.error,
+            surface.normal,
+            ray.direction,
+        );
+        way.note(*part, met.owner.material);
+    }
     // of the order of the ways here; a patch's distance, and the measure of a caustic
     way.length = 1.0;
     let departure = Departure {
@@ -80,6 +103,7 @@ fn distances(content: &str, from: DVec3, direction: DVec3, parts: &[Part]) -> Op
             frame,
             viewer_distance: 1.0,
         },
+        start: (Vec3A::ZERO, direction),
         lit_frame: frame,
         departure,
         waits: Some(0.01),

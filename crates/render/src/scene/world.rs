@@ -190,13 +190,19 @@ impl Scene {
         let emitter = self
             .emitters
             .get(((choice * count as f32) as usize).min(count.checked_sub(1)?))?;
-        Some((emitter, (count as f32).recip()))
+        Some((emitter, self.chance_of_emitter()))
+    }
+
+    /// The probability of each light source in [`Scene::choose_emitter`].
+    #[inline]
+    pub fn chance_of_emitter(&self) -> f32 {
+        (self.emitters.len() as f32).recip()
     }
 
     /// Density of connections to the point that a ray from `from` has hit.
     #[inline]
     pub fn density_of_hit(&self, emitter: u32, from: Vec3A, at: &Surface) -> f32 {
-        self.emitters[emitter as usize].density_of_hit(self, from, at) / self.emitters.len() as f32
+        self.emitters[emitter as usize].density_of_hit(self, from, at) * self.chance_of_emitter()
     }
 
     /// Density of connections for a direction in which a ray has left the scene.
@@ -204,7 +210,7 @@ impl Scene {
     pub fn density_of_miss(&self, frame: &Frame, direction: Vec3A) -> f32 {
         self.environment.map_or(0.0, |e| {
             let density = self.emitters[e as usize].density_of_miss(frame, direction);
-            density / self.emitters.len() as f32
+            density * self.chance_of_emitter()
         })
     }
 }
