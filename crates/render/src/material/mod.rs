@@ -9,10 +9,17 @@ pub mod dielectric;
 pub mod diffuse;
 pub mod microfacet;
 pub mod null;
+pub mod plastic;
 pub mod polarizer;
 pub mod pplastic;
 pub mod retarder;
 pub mod roughconductor;
+pub mod roughdielectric;
+pub mod roughplastic;
+pub mod scatterer16;
+#[cfg(test)]
+pub(crate) mod testing;
+pub mod thindielectric;
 pub mod twosided;
 
 use glam::Vec3A;
@@ -127,6 +134,16 @@ pub enum Material {
     Circular(circular::Circular),
     /// Nothing.
     Null(null::Null),
+    /// Rough glass.
+    RoughDielectric(roughdielectric::RoughDielectric),
+    /// A pane of glass.
+    ThinDielectric(thindielectric::ThinDielectric),
+    /// Smooth plastic.
+    Plastic(plastic::Plastic),
+    /// Rough plastic.
+    RoughPlastic(roughplastic::RoughPlastic),
+    /// Any locally stationary matter.
+    Scatterer16(Box<scatterer16::Scatterer16>),
     /// Matter with two sides.
     TwoSided(twosided::TwoSided),
 }
@@ -144,6 +161,11 @@ macro_rules! ask {
             Material::Retarder($m) => $answer,
             Material::Circular($m) => $answer,
             Material::Null($m) => $answer,
+            Material::RoughDielectric($m) => $answer,
+            Material::ThinDielectric($m) => $answer,
+            Material::Plastic($m) => $answer,
+            Material::RoughPlastic($m) => $answer,
+            Material::Scatterer16($m) => $answer,
             Material::TwoSided($m) => $answer,
         }
     };
@@ -200,7 +222,12 @@ impl Material {
     pub fn is_two_sided(&self) -> bool {
         !matches!(
             self,
-            Self::Diffuse(_) | Self::Conductor(_) | Self::RoughConductor(_) | Self::Pplastic(_)
+            Self::Diffuse(_)
+                | Self::Conductor(_)
+                | Self::RoughConductor(_)
+                | Self::Pplastic(_)
+                | Self::Plastic(_)
+                | Self::RoughPlastic(_)
         )
     }
 }

@@ -23,10 +23,15 @@ use crate::material::conductor::Conductor;
 use crate::material::dielectric::Dielectric;
 use crate::material::diffuse::Diffuse;
 use crate::material::null::Null;
+use crate::material::plastic::Plastic;
 use crate::material::polarizer::Polarizer;
 use crate::material::pplastic::Pplastic;
 use crate::material::retarder::Retarder;
 use crate::material::roughconductor::RoughConductor;
+use crate::material::roughdielectric::RoughDielectric;
+use crate::material::roughplastic::RoughPlastic;
+use crate::material::scatterer16::Scatterer16;
+use crate::material::thindielectric::ThinDielectric;
 use crate::material::twosided::TwoSided;
 use crate::path::PathOptions;
 use crate::sensor::perspective::Perspective;
@@ -369,6 +374,11 @@ fn read_material(object: &Rc<Object>) -> Result<Material, SceneError> {
         "retarder" => Material::Retarder(Retarder::read(object)?),
         "circular" => Material::Circular(Circular::read(object)?),
         "null" => Material::Null(Null),
+        "roughdielectric" => Material::RoughDielectric(RoughDielectric::read(object)?),
+        "thindielectric" => Material::ThinDielectric(ThinDielectric::read(object)?),
+        "plastic" => Material::Plastic(Plastic::read(object)?),
+        "roughplastic" => Material::RoughPlastic(RoughPlastic::read(object)?),
+        "scatterer16" => Material::Scatterer16(Box::new(Scatterer16::read(object)?)),
         "twosided" => {
             let sides = object.children(Tag::Bsdf);
             let [front, back] = match &sides[..] {
