@@ -38,6 +38,15 @@ impl<'a> Entry<'a> {
         }
     }
 
+    /// A whole file.
+    #[must_use]
+    pub fn whole(value: &'a Value) -> Self {
+        Self {
+            place: String::new(),
+            value,
+        }
+    }
+
     /// The value under `key`, if there is one.
     ///
     /// # Errors

@@ -9,6 +9,7 @@ mod interaction;
 mod layers;
 mod light;
 mod matter;
+pub mod population;
 mod relief;
 pub mod result;
 pub mod schema;

@@ -82,6 +82,19 @@ impl Microfacets {
         })
     }
 
+    /// Whether it is the same along U and V.
+    pub fn is_isotropic(&self) -> bool {
+        self.alpha_u == self.alpha_v
+    }
+
+    /// The same facets, drawn as the viewer sees them.
+    pub fn seen(self) -> Self {
+        Self {
+            visible: true,
+            ..self
+        }
+    }
+
     /// Density of facet normals per steradian of their direction, D(m).
     #[inline]
     pub fn density(&self, m: Vec3A) -> f32 {

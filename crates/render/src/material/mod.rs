@@ -15,14 +15,19 @@ pub mod lobe;
 pub mod microfacet;
 pub mod mueller;
 pub mod null;
+pub mod plastic;
 pub mod polarizer;
 pub mod pplastic;
 pub mod retarder;
 pub mod rotator;
 pub mod roughconductor;
+pub mod roughdielectric;
+pub mod roughplastic;
 pub mod roughsurface;
+pub mod scatterer16;
 #[cfg(test)]
 pub mod testing;
+pub mod thindielectric;
 pub mod twosided;
 pub mod wedge;
 
@@ -148,6 +153,16 @@ pub enum Material {
     Rotator(rotator::Rotator),
     /// Any Mueller matrix.
     Mueller(mueller::MuellerElement),
+    /// Rough glass.
+    RoughDielectric(roughdielectric::RoughDielectric),
+    /// A pane of glass.
+    ThinDielectric(thindielectric::ThinDielectric),
+    /// Smooth plastic.
+    Plastic(plastic::Plastic),
+    /// Rough plastic.
+    RoughPlastic(roughplastic::RoughPlastic),
+    /// Any locally stationary matter.
+    Scatterer16(Box<scatterer16::Scatterer16>),
     /// Matter with two sides.
     TwoSided(twosided::TwoSided),
     /// Matter for tests.
@@ -173,6 +188,11 @@ macro_rules! ask {
             Material::Birefringent($m) => $answer,
             Material::Rotator($m) => $answer,
             Material::Mueller($m) => $answer,
+            Material::RoughDielectric($m) => $answer,
+            Material::ThinDielectric($m) => $answer,
+            Material::Plastic($m) => $answer,
+            Material::RoughPlastic($m) => $answer,
+            Material::Scatterer16($m) => $answer,
             Material::TwoSided($m) => $answer,
             #[cfg(test)]
             Material::Lobe($m) => $answer,
@@ -239,9 +259,12 @@ impl Material {
     /// Whether light meets it from both sides by itself.
     pub fn is_two_sided(&self) -> bool {
         match self {
-            Self::Diffuse(_) | Self::Conductor(_) | Self::RoughConductor(_) | Self::Pplastic(_) => {
-                false
-            }
+            Self::Diffuse(_)
+            | Self::Conductor(_)
+            | Self::RoughConductor(_)
+            | Self::Plastic(_)
+            | Self::Pplastic(_)
+            | Self::RoughPlastic(_) => false,
             Self::Layered(layered) => !layered.is_opaque(),
             Self::RoughSurface(surface) => !surface.is_metal(),
             Self::Mueller(element) => !element.is_mirror(),

@@ -28,12 +28,17 @@ use crate::material::diffuse::Diffuse;
 use crate::material::layered::Layered;
 use crate::material::mueller::MuellerElement;
 use crate::material::null::Null;
+use crate::material::plastic::Plastic;
 use crate::material::polarizer::Polarizer;
 use crate::material::pplastic::Pplastic;
 use crate::material::retarder::Retarder;
 use crate::material::rotator::Rotator;
 use crate::material::roughconductor::RoughConductor;
+use crate::material::roughdielectric::RoughDielectric;
+use crate::material::roughplastic::RoughPlastic;
 use crate::material::roughsurface::RoughSurface;
+use crate::material::scatterer16::Scatterer16;
+use crate::material::thindielectric::ThinDielectric;
 use crate::material::twosided::TwoSided;
 use crate::path::PathOptions;
 use crate::sensor::perspective::Perspective;
@@ -429,6 +434,11 @@ fn read_material(object: &Rc<Object>) -> Result<Material, SceneError> {
         "rotator" => Material::Rotator(Rotator::read(object)?),
         "mueller" => Material::Mueller(MuellerElement::read(object)?),
         "null" => Material::Null(Null),
+        "roughdielectric" => Material::RoughDielectric(RoughDielectric::read(object)?),
+        "thindielectric" => Material::ThinDielectric(ThinDielectric::read(object)?),
+        "plastic" => Material::Plastic(Plastic::read(object)?),
+        "roughplastic" => Material::RoughPlastic(RoughPlastic::read(object)?),
+        "scatterer16" => Material::Scatterer16(Box::new(Scatterer16::read(object)?)),
         "twosided" => {
             let sides = object.children(Tag::Bsdf);
             let [front, back] = match &sides[..] {

@@ -1,0 +1,459 @@
+//! `scatterer16`: any locally stationary matter of Theorem S4.1, from a file of populations.
+//!
+//! | parameter  | type     | meaning                                                                    | default |
+//! |------------|----------|----------------------------------------------------------------------------|---------|
+//! | `filename` | string   | JSON file of the populations                                               | –       |
+//! | `centre`   | point    | where the envelopes have their origin, m, in the world                     | 0, 0, 0 |
+//! | `scale`    | spectrum | factor on everything that is scattered, at most 1                          | 1       |
+//!
+//! ```xml
+//! <bsdf type="scatterer16"><string name="filename" value="pearl.json"/></bsdf>
+//! ```
+//!
+//! The file holds `{"populations": […]}`, each with
+//!
+//! - what it does at one point: a Jones matrix `T`, a Mueller matrix `M`, or sixteen numbers `sixteen` that need not be
+//!   realizable by themselves; four rows l of four channels j → l;
+//! - its autocorrelation `R`, in the words of `brewster eval`: `{"kind": "gaussian", "S": [[1e-12, 0], [0, 4e-12]]}`,
+//!   covariance in m², and so on; without a matrix four rows of four autocorrelations or nulls;
+//! - `side`: `"reflection"` unless given, or `"transmission"`;
+//! - its envelope `I` on the surface, `{"kind": "disk", "radius": 0.01}`, peak 1, everywhere unless given.
+//!
+//! ```json
+//! {"populations": [
+//!     {"M": [[0.5,0,0,0],[0,0.5,0,0],[0,0,-0.5,0],[0,0,0,-0.5]], "R": {"kind": "constant"}},
+//!     {"T": [[0.5,0],[0,0]], "R": {"kind": "gaussian", "S": [[4e-12,0],[0,4e-12]]}, "side": "transmission"}]}
+//! ```
+//!
+//! Frames: axis U projected across each ray, which is that of the front; in transmission from behind, the matrix is the
+//! reciprocal one, in reflection from behind the same. Vacuum on both sides.
+//!
+//! ```text
+//! f = (1/λ²) I Σ M F{R γ}(φ_t),   φ_t = k (o + i)_t,   γ the coherence of the incident light
+//! ```
+//!
+//! Parts of R that do not decay are a mirror, the straight way, and sharp orders. The others are drawn from the sum of
+//! their Gaussians, those wider than half the hemisphere from its cosine.
+//!
+//! Source: Theorem S4.1 of Steinberg and Yan's supplemental; the factor of the cosines is that of flat matter.
+
+mod lobes;
+
+use glam::{Mat4, Vec3A, Vec4};
+use mueller16::{Channels, Geometry, IncidentCoherence, Matter as Stationary, Population};
+use nalgebra::{Matrix2, Matrix4, Vector2, Vector3};
+use stokes::{Envelope, Mueller, Wavelength};
+
+use super::{Departure, Effect, Matter, Part, Traits, Vertex};
+use crate::coherence::Coherence;
+use crate::eval::population::{self, populations};
+use crate::geometry::frame::Frame;
+use crate::light::Light;
+use crate::scene::{Object, SceneError};
+use crate::spectrum::{Spectrum, SpectrumUse};
+use lobes::{Lobe, Order};
+
+/// Most envelopes.
+const ENVELOPES: usize = 8;
+
+/// Rounding by which matter may miss being realizable or passive.
+const TOLERANCE: f64 = 1e-6;
+
+/// Lobes wider than this, radians, take light as plane waves.
+const WIDE: f32 = 0.1;
+
+/// What the matter scatters to one side of a lit surface.
+#[derive(Clone, Debug, Default)]
+struct Side {
+    /// What decays.
+    channels: Channels,
+    lobes: Vec<Lobe>,
+}
+
+/// Locally stationary matter.
+#[derive(Clone, Debug)]
+pub struct Scatterer16 {
+    envelopes: Vec<Envelope>,
+    centre: Vec3A,
+    scale: Spectrum,
+    /// Reflection, transmission.
+    sides: [Side; 2],
+    /// What does not decay.
+    orders: Vec<Order>,
+    /// Least standard deviation of a lobe, rad/m.
+    narrowest: f64,
+    effect: Effect,
+}
+
+impl Scatterer16 {
+    /// Reads its parameters and its file.
+    pub fn read(object: &Object) -> Result<Self, SceneError> {
+        let path = object.path("filename")?;
+        let name = path.display();
+        let refuse = |problem: String| object.error_at("filename", format!("{name}: {problem}"));
+        let text = std::fs::read(&path).map_err(|e| refuse(e.to_string()))?;
+        let file: serde_json::Value =
+            serde_json::from_slice(&text).map_err(|e| refuse(e.to_string()))?;
+        let parts = populations(&file).map_err(|e| refuse(e.to_string()))?;
+        let [x, y, z] = object.optional_point("centre")?.unwrap_or_default();
+        let matter = Self::new(
+            &parts,
+            Vec3A::new(x as f32, y as f32, z as f32),
+            object.spectrum("scale", SpectrumUse::Reflectance, Spectrum::constant(1.0))?,
+        )
+        .map_err(refuse)?;
+        if parts
+            .iter()
+            .any(|part| !part.transmits && !is_reciprocal(&part.mueller))
+        {
+            object.notice_at(
+                "filename",
+                format!("{name}: a population reflects otherwise than X Mᵀ X, X = diag(1, 1, -1, 1): it is not reciprocal"),
+            );
+        }
+        Ok(matter)
+    }
+
+    fn new(parts: &[population::Part], centre: Vec3A, scale: Spectrum) -> Result<Self, String> {
+        let mut matter = Self {
+            envelopes: vec![],
+            centre,
+            scale,
+            sides: [const { None }; 2].map(|_: Option<Side>| Side::default()),
+            orders: vec![],
+            narrowest: f64::INFINITY,
+            effect: Effect::default(),
+        };
+        for part in parts {
+            matter.add(part);
+        }
+        if matter.envelopes.len() > ENVELOPES {
+            return Err(format!(
+                "key 'populations': {} different envelopes, expected at most {ENVELOPES}",
+                matter.envelopes.len()
+            ));
+        }
+        for transmits in [false, true] {
+            check_realizable(parts.iter().filter(|part| part.transmits == transmits))?;
+        }
+        check_passive(parts)?;
+        let lobes = matter.sides.iter().flat_map(|side| &side.lobes);
+        matter.narrowest = lobes.map(Lobe::narrowest).fold(f64::INFINITY, f64::min);
+        Ok(matter)
+    }
+
+    fn add(&mut self, part: &population::Part) {
+        let envelope = match self.envelopes.iter().position(|e| *e == part.envelope) {
+            Some(place) => place,
+            None => {
+                self.envelopes.push(part.envelope.clone());
+                self.envelopes.len() - 1
+            }
+        };
+        let side = &mut self.sides[usize::from(part.transmits)];
+        let m = part.mueller.to_matrix();
+        for (weight, place) in part.autocorrelation.deltas() {
+            Order::add(
+                &mut self.orders,
+                part.transmits,
+                place,
+                (envelope, m * weight),
+            );
+        }
+        let decaying = part.autocorrelation.clone().without_deltas();
+        if decaying.term_count() > 0 {
+            for family in decaying.families() {
+                for term in family.terms() {
+                    Lobe::add(&mut side.lobes, family, term, (envelope, m[(0, 0)]));
+                }
+            }
+            let channels = std::mem::take(&mut side.channels);
+            side.channels = channels.with(&part.mueller, decaying, envelope);
+        }
+        self.effect = self.effect.and(effect_of(&part.mueller));
+    }
+
+    /// The envelopes at a vertex.
+    #[inline]
+    fn intensities(&self, at: &Vertex) -> [f64; ENVELOPES] {
+        let off = at.frame.to_local(at.position - self.centre);
+        let x = Vector2::new(f64::from(off.x), f64::from(off.y));
+        let mut values = [0.0; ENVELOPES];
+        for (value, envelope) in values.iter_mut().zip(&self.envelopes) {
+            *value = envelope.value(&x);
+        }
+        values
+    }
+
+    /// Sum of all shares from which a way is drawn.
+    #[inline]
+    fn total(&self, intensities: &[f64; ENVELOPES]) -> f64 {
+        let lobes = self.sides.iter().flat_map(|side| &side.lobes);
+        lobes.map(|lobe| lobe.share(intensities)).sum::<f64>()
+            + self
+                .orders
+                .iter()
+                .map(|order| order.share(intensities))
+                .sum::<f64>()
+    }
+
+    /// Density per steradian of the continuous part.
+    #[inline]
+    fn density(&self, o: Vec3A, i: Vec3A, k: f64, intensities: &[f64; ENVELOPES]) -> f64 {
+        let side = &self.sides[usize::from(o.z * i.z < 0.0)];
+        let (cos, phi) = (f64::from(i.z.abs()), tangential(o, i) * k);
+        let sum: f64 = side
+            .lobes
+            .iter()
+            .map(|lobe| lobe.share(intensities) * lobe.density(&phi, cos, k))
+            .sum();
+        sum / self.total(intensities)
+    }
+
+    /// The matrix of all lobes at one vertex, with |cos i|.
+    fn continuous(
+        &self,
+        at: &Vertex,
+        i: Vec3A,
+        wavelength: Wavelength,
+        coherence: &Coherence,
+        intensities: &[f64; ENVELOPES],
+    ) -> Option<Matrix4<f64>> {
+        let side = &self.sides[usize::from(at.o.z * i.z < 0.0)];
+        if side.lobes.is_empty() {
+            return None;
+        }
+        let unit =
+            |v: Vec3A| Vector3::new(f64::from(v.x), f64::from(v.y), f64::from(v.z)).normalize();
+        let geometry = Geometry::on_plane(unit(i), unit(at.o), wavelength).ok()?;
+        let light = if coherence.is_point() {
+            IncidentCoherence::plane_wave()
+        } else {
+            let [a, b] = coherence
+                .angular_root
+                .map(|row| at.frame.to_local(row).as_dvec3());
+            IncidentCoherence::gaussian(&geometry, &Matrix2::new(a.x, a.y, b.x, b.y)).ok()?
+        };
+        let transfer = side.channels.transfer(&geometry, &light).ok()?;
+        let mut sum = Matrix4::zeros();
+        for (place, value) in intensities.iter().enumerate().take(self.envelopes.len()) {
+            sum += transfer.of_envelope(place).to_matrix() * *value;
+        }
+        Some(sum * f64::from(i.z.abs()))
+    }
+}
+
+/// The tangential part of `o + i`.
+#[inline]
+fn tangential(o: Vec3A, i: Vec3A) -> Vector2<f64> {
+    Vector2::new(
+        f64::from(o.x) + f64::from(i.x),
+        f64::from(o.y) + f64::from(i.y),
+    )
+}
+
+fn is_reciprocal(mueller: &Mueller) -> bool {
+    let (m, reversed) = (mueller.to_matrix(), mueller.reversed().to_matrix());
+    (m - reversed).amax() <= TOLERANCE * m.amax()
+}
+
+/// What a matrix in the frames of axis U can do.
+fn effect_of(mueller: &Mueller) -> Effect {
+    let m = mueller.to_matrix();
+    let some = |places: &[(usize, usize)]| places.iter().any(|&place| m[place] != 0.0);
+    let depolarizes = (m.component_mul(&m).sum() - 4.0 * m[(0, 0)] * m[(0, 0)]).abs()
+        > TOLERANCE * m.amax().powi(2);
+    Effect {
+        depolarizes,
+        makes_linear: some(&[(1, 0), (2, 0)]),
+        makes_circular: some(&[(3, 0)]),
+        retards: some(&[(3, 1), (3, 2), (1, 3), (2, 3)]),
+    }
+}
+
+/// Whether the channels of one side could be made of Jones matrices, lobe by lobe.
+fn check_realizable<'a>(parts: impl Iterator<Item = &'a population::Part>) -> Result<(), String> {
+    let parts: Vec<Population> = parts
+        .map(|p| Population::of_sixteen(&p.mueller, p.autocorrelation.clone(), p.envelope.clone()))
+        .collect();
+    if parts.is_empty() {
+        return Ok(());
+    }
+    let whole = |e: mueller16::MatterError| format!("key 'populations': {e}");
+    let matter = Stationary::new(parts).map_err(whole)?;
+    matter
+        .check_realizable(&matter.lobe_places(), TOLERANCE)
+        .map_err(whole)
+}
+
+/// Whether no light gains power, where all envelopes are at their peak.
+fn check_passive(parts: &[population::Part]) -> Result<(), String> {
+    let peak = |part: &population::Part| part.envelope.value(&Vector2::zeros()).max(0.0);
+    let sum: Matrix4<f64> = parts
+        .iter()
+        .map(|part| part.mueller.to_matrix() * part.autocorrelation.at_zero() * peak(part))
+        .sum();
+    let most = sum[(0, 0)] + sum.fixed_view::<1, 3>(0, 1).norm();
+    if most <= 1.0 + TOLERANCE {
+        return Ok(());
+    }
+    Err(format!(
+        "key 'populations': the matter scatters up to {most} of the light that meets it, expected at most 1; \
+         multiply every 'amp' by {:.6}",
+        most.recip()
+    ))
+}
+
+/// The first axis of the frame of a ray: U projected across it.
+#[inline]
+fn axis_u(v: Vec3A) -> Vec3A {
+    Frame::with_tangent(v, Vec3A::X).s
+}
+
+/// Narrows to single precision: costs 6e-8 relative.
+fn narrowed(m: &Matrix4<f64>) -> Mat4 {
+    let column = |j: usize| Vec4::from_array(std::array::from_fn(|l| m[(l, j)] as f32));
+    Mat4::from_cols(column(0), column(1), column(2), column(3))
+}
+
+fn wavelength_of(wavelengths: &[f32]) -> Option<Wavelength> {
+    Wavelength::from_metres(f64::from(*wavelengths.first()?) * 1e-9).ok()
+}
+
+impl Matter for Scatterer16 {
+    fn sample(&self, at: &Vertex, wavelengths: &[f32], u: [f32; 3]) -> Option<Departure> {
+        let o = at.o;
+        let k = wavelength_of(wavelengths)?.wavenumber().radians_per_metre();
+        let intensities = self.intensities(at);
+        let total = self.total(&intensities);
+        if o.z == 0.0 || total.is_nan() || total <= 0.0 {
+            return None;
+        }
+        let mut left = f64::from(u[0]) * total;
+        for (index, order) in self.orders.iter().enumerate() {
+            let share = order.share(&intensities);
+            if left < share {
+                let straight = order.is_straight();
+                return Some(Departure {
+                    direction: if straight { -o } else { order.direction(o, k)? },
+                    density: (share / total) as f32,
+                    part: if straight {
+                        Part::Straight
+                    } else {
+                        Part::Discrete(index as u32)
+                    },
+                    eta: 1.0,
+                });
+            }
+            left -= share;
+        }
+        let lobes = [false, true].into_iter().zip(&self.sides);
+        let lobes = lobes
+            .flat_map(|(transmits, side)| side.lobes.iter().map(move |lobe| (transmits, lobe)));
+        let mut drawn = None;
+        for (transmits, lobe) in lobes {
+            let share = lobe.share(&intensities);
+            if share > 0.0 {
+                drawn = Some((transmits, lobe));
+            }
+            if left < share {
+                break;
+            }
+            left -= share;
+        }
+        let (transmits, lobe) = drawn?;
+        let up = (o.z > 0.0) != transmits;
+        let direction = lobe.sample(o, up, k, [u[1], u[2]])?;
+        let density = self.density(o, direction, k, &intensities) as f32;
+        (density > 0.0 && density.is_finite()).then_some(Departure {
+            direction,
+            density,
+            part: Part::Continuous,
+            eta: 1.0,
+        })
+    }
+
+    fn respond<L: Light>(
+        &self,
+        at: &Vertex,
+        i: Vec3A,
+        part: Part,
+        wavelengths: &[f32],
+        coherence: &Coherence,
+    ) -> (L::Response, f32) {
+        let o = at.o;
+        let intensities = self.intensities(at);
+        let orders = |kept: &dyn Fn(usize, &Order) -> bool| {
+            let kept = self
+                .orders
+                .iter()
+                .enumerate()
+                .filter(|(place, order)| kept(*place, order));
+            kept.map(|(_, order)| order.matrix(&intensities)).sum()
+        };
+        let (matrix, density): (Matrix4<f64>, f64) = match part {
+            Part::Straight => (orders(&|_, order| order.is_straight()), 0.0),
+            Part::Discrete(index) => (orders(&|place, _| place == index as usize), 0.0),
+            Part::Continuous => {
+                let found = wavelength_of(wavelengths).and_then(|wavelength| {
+                    let matrix = self.continuous(at, i, wavelength, coherence, &intensities)?;
+                    let k = wavelength.wavenumber().radians_per_metre();
+                    Some((matrix, self.density(o, i, k, &intensities)))
+                });
+                found.unwrap_or_default()
+            }
+        };
+        // through the matter from behind, the reciprocal way
+        let behind = o.z * i.z < 0.0 && i.z < 0.0;
+        let matrix = if behind {
+            Mueller::from(matrix).reversed().to_matrix()
+        } else {
+            matrix
+        };
+        let matrix = narrowed(&matrix);
+        let response = L::general(axis_u(o), axis_u(i), |lane| {
+            matrix * self.scale.value(wavelengths[lane])
+        });
+        (response, density as f32)
+    }
+
+    fn is_discrete(&self) -> bool {
+        self.sides.iter().all(|side| side.lobes.is_empty())
+    }
+
+    fn lobe_width(&self, _: &Vertex, wavelengths: &[f32]) -> Option<f32> {
+        let k = wavelength_of(wavelengths)?.wavenumber().radians_per_metre();
+        let width = (self.narrowest / k) as f32;
+        (width < WIDE).then_some(width)
+    }
+
+    fn bend(&self, at: &Vertex, part: Part, wavelengths: &[f32]) -> Option<Vec3A> {
+        match part {
+            Part::Straight => Some(-at.o),
+            Part::Discrete(index) => {
+                let k = wavelength_of(wavelengths)?.wavenumber().radians_per_metre();
+                self.orders.get(index as usize)?.direction(at.o, k)
+            }
+            Part::Continuous => None,
+        }
+    }
+
+    fn traits(&self) -> Traits {
+        Traits {
+            straight: self.orders.iter().any(Order::is_straight),
+            coherent: !self.is_discrete(),
+            disperses: !self.is_discrete()
+                || self
+                    .orders
+                    .iter()
+                    .any(|order| !order.is_mirror_or_straight()),
+        }
+    }
+
+    fn effect(&self) -> Effect {
+        self.effect
+    }
+}
+
+#[cfg(test)]
+mod tests;
