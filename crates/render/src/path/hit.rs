@@ -15,7 +15,7 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
     pub(super) fn collect_hit(
         &mut self,
         throughput: &L::Throughput,
-        behind: Option<&Behind<'a, L>>,
+        behind: Option<&Behind<'a>>,
         emitter: u32,
         encounter: Option<&Encounter>,
         ray: &Ray,
@@ -41,18 +41,18 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
     #[inline]
     fn plane_wave_share(
         &self,
-        from: &Behind<'a, L>,
+        from: &Behind<'a>,
         emitter: u32,
         encounter: Option<&Encounter>,
     ) -> f32 {
         let other = match encounter {
-            _ if !from.way.straight => return 1.0,
+            _ if !self.way.straight => return 1.0,
             Some(e) => self
                 .scene
                 .density_of_hit(emitter, from.vertex.position, &e.surface),
             None => self
                 .scene
-                .density_of_miss(&from.lit_frame, from.way.direction),
+                .density_of_miss(&from.lit_frame, self.way.direction),
         };
         power_heuristic(from.departure.density, other)
     }
@@ -62,7 +62,7 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
     fn collect_patch(
         &mut self,
         throughput: &L::Throughput,
-        from: &Behind<'a, L>,
+        from: &Behind<'a>,
         lobe: f32,
         emitter: u32,
         encounter: Option<&Encounter>,
@@ -76,7 +76,7 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
         );
         let largest = connect::largest_patch(self.options, lobe);
         let cut = match encounter {
-            Some(_) if from.way.straight => source.cut(scene, from.vertex.position, largest),
+            Some(_) if self.way.straight => source.cut(scene, from.vertex.position, largest),
             _ => None,
         };
         let (response, share, position, i, coherence) = if let Some(cut) = cut {
@@ -84,7 +84,7 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
                 // connections have seen all of it
                 return;
             }
-            let patch = cut.patch(cut.find(position, from.way.direction));
+            let patch = cut.patch(cut.find(position, self.way.direction));
             let i = from.vertex.frame.to_local(patch.direction);
             let (response, own) = self.respond_behind(from, i, &patch.coherence());
             let other = connect::patch_density(scene, &cut, &patch);
@@ -95,7 +95,7 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
                 i,
                 patch.coherence(),
             )
-        } else if !from.way.straight
+        } else if !self.way.straight
             && let Some(e) = encounter
             && let Some(patch) = self.patch_through(from, source, &e.surface, ray, largest)
         {
@@ -113,7 +113,7 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
                 Coherence::PLANE_WAVE,
             )
         };
-        let throughput = Self::through(throughput, from, response);
+        let throughput = self.through(throughput, from, response);
         let emission = source.emit::<L>(k, position, self.wavelengths);
         let toward = from.vertex.frame.to_world(i);
         self.add_light(

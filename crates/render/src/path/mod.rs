@@ -65,7 +65,7 @@ pub struct Counters {
 }
 
 /// The last vertex with a continuous lobe, whose direction toward the light is drawn.
-struct Behind<'a, L: Light> {
+struct Behind<'a> {
     material: &'a Material,
     vertex: Vertex,
     /// Half-widths of the box that contains the true point, and the geometric normal: where its rays start.
@@ -75,8 +75,6 @@ struct Behind<'a, L: Light> {
     departure: Departure,
     /// Width of its lobe if its response waits for the coherence of the light; `None`: it is in the throughput.
     waits: Option<f32>,
-    /// The specular matter since.
-    way: Way<L>,
 }
 
 /// Random dimensions: the film takes 0 and 1, the wavelength 2; then eight a vertex.
@@ -105,6 +103,8 @@ struct Walk<'a, L: Light, W: Witness> {
     stack: &'a mut Stack,
     counters: &'a mut Counters,
     witness: &'a mut W,
+    /// The specular matter since the last vertex with a continuous lobe.
+    way: Way<L>,
     seen: L::Stokes,
 }
 
@@ -126,6 +126,7 @@ pub fn trace<L: Light, W: Witness>(
         stack,
         counters,
         witness,
+        way: Way::new(sample.ray.direction),
         seen: L::dark(),
     };
     walk.run(sample.ray, sample.axis);
@@ -136,7 +137,7 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
     fn run(&mut self, mut ray: Ray, axis: Vec3A) {
         let (scene, options) = (self.scene, self.options);
         let mut throughput = L::identity(axis);
-        let mut behind: Option<Behind<'a, L>> = None;
+        let mut behind: Option<Behind<'a>> = None;
         // the camera's own rays, until they meet anything
         let mut first = true;
         // ratio of the indices along the path: roulette looks at power, not at radiance
@@ -270,11 +271,11 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
                         lit_frame,
                         departure,
                         waits: lobe,
-                        way: Way::new(direction),
                     };
                     if let Some(scattered) = scattered {
                         throughput = scattered;
                     }
+                    self.way.begin(direction);
                     if lobe.is_none() {
                         throughput = self.plane_wave_through(&throughput, &next);
                     }
@@ -292,11 +293,11 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
                     let weight = departure.density.recip();
                     match &mut behind {
                         Some(from) => {
-                            from.way.note(departure.part, encounter.owner.material);
+                            self.way.note(departure.part, encounter.owner.material);
                             if from.waits.is_some() {
-                                from.way
+                                self.way
                                     .extend(response, weight, o_world, vertex.viewer_distance);
-                                if from.way.is_lost() {
+                                if self.way.is_lost() {
                                     throughput = self.plane_wave_through(&throughput, from);
                                     from.waits = None;
                                 }
@@ -325,7 +326,7 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
     #[inline]
     fn respond_behind(
         &self,
-        from: &Behind<'_, L>,
+        from: &Behind<'_>,
         i: Vec3A,
         coherence: &Coherence,
     ) -> (L::Response, f32) {
@@ -343,25 +344,22 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
     /// The throughput with the vertex behind and the specular matter since.
     #[inline]
     fn through(
+        &self,
         throughput: &L::Throughput,
-        from: &Behind<'_, L>,
+        from: &Behind<'_>,
         response: L::Response,
     ) -> L::Throughput {
         let o = from.vertex.frame.to_world(from.vertex.o);
         let weight = from.departure.density.recip();
-        from.way.after(L::extend(throughput, response, weight, o))
+        self.way.after(L::extend(throughput, response, weight, o))
     }
 
     /// The same for a plane wave from the direction that was drawn.
     #[inline]
-    fn plane_wave_through(
-        &self,
-        throughput: &L::Throughput,
-        from: &Behind<'_, L>,
-    ) -> L::Throughput {
+    fn plane_wave_through(&self, throughput: &L::Throughput, from: &Behind<'_>) -> L::Throughput {
         let i = from.departure.direction;
         let (response, _) = self.respond_behind(from, i, &Coherence::PLANE_WAVE);
-        Self::through(throughput, from, response)
+        self.through(throughput, from, response)
     }
 
     /// Light that has arrived at the sensor; `arrival` as [`Witness::hears`] has it.

@@ -57,6 +57,16 @@ impl<L: Light> Way<L> {
         }
     }
 
+    /// Starts anew at a vertex.
+    #[inline]
+    pub(super) fn begin(&mut self, direction: Vec3A) {
+        self.direction = direction;
+        self.straight = true;
+        self.count = 0;
+        self.matrix = None;
+        self.length = 0.0;
+    }
+
     /// Notes how it went on.
     #[inline]
     pub(super) fn note(&mut self, part: Part, material: u32) {
@@ -104,14 +114,15 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
     /// `None` where neighbouring rays go other ways, near a caustic, and for emitters that are not flat.
     pub(super) fn patch_through(
         &mut self,
-        from: &Behind<'a, L>,
+        from: &Behind<'a>,
         emitter: &Emitter,
         hit: &Surface,
         last: &Ray,
         largest: f32,
     ) -> Option<Patch> {
         let outline = emitter.outline(self.scene)?;
-        let axes = Frame::around(from.way.direction);
+        let way = self.way;
+        let axes = Frame::around(way.direction);
         let (error, normal) = from.start;
         let start = Surface {
             position: from.vertex.position,
@@ -121,15 +132,15 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
         };
         let mut shifts = [Vec3A::ZERO; 2];
         for (shift, axis) in shifts.iter_mut().zip([axes.s, axes.t]) {
-            let direction = (from.way.direction + axis * TURN).normalize();
-            let end = self.neighbour(&from.way, &start, direction, &outline)?;
+            let direction = (way.direction + axis * TURN).normalize();
+            let end = self.neighbour(&way, &start, direction, &outline)?;
             *shift = (end - hit.position) / TURN;
         }
-        let length = from.way.length + (hit.position - last.origin).length();
+        let length = way.length + (hit.position - last.origin).length();
         outline.patch_through(
             hit.position,
             shifts,
-            (from.way.direction, [axes.s, axes.t]),
+            (way.direction, [axes.s, axes.t]),
             length,
             largest,
         )

@@ -58,11 +58,11 @@ fn distances(content: &str, from: DVec3, direction: DVec3, parts: &[Part]) -> Op
         stack: &mut stack,
         counters: &mut counters,
         witness: &mut witness,
+        way: Way::new(direction.as_vec3a()),
         seen: <Intensity<1> as Light>::dark(),
     };
     let (position, direction) = (from.as_vec3a(), direction.as_vec3a());
     let frame = Frame::around(direction);
-    let mut way = Way::new(direction);
     let mut ray = Ray {
         origin: position,
         direction,
@@ -85,10 +85,10 @@ fn distances(content: &str, from: DVec3, direction: DVec3, parts: &[Part]) -> Op
             surface.normal,
             ray.direction,
         );
-        way.note(*part, met.owner.material);
+        walk.way.note(*part, met.owner.material);
     }
     // of the order of the ways here; a patch's distance, and the measure of a caustic
-    way.length = 1.0;
+    walk.way.length = 1.0;
     let departure = Departure {
         direction: Vec3A::Z,
         density: 1.0,
@@ -107,7 +107,6 @@ fn distances(content: &str, from: DVec3, direction: DVec3, parts: &[Part]) -> Op
         lit_frame: frame,
         departure,
         waits: Some(0.01),
-        way,
     };
     let emitter = &scene.emitters[0];
     let outline = emitter.outline(scene).expect("a flat lamp");
@@ -117,7 +116,8 @@ fn distances(content: &str, from: DVec3, direction: DVec3, parts: &[Part]) -> Op
         normal: direction,
         frame,
     };
-    let hit = walk.neighbour(&behind.way, &start, direction, &outline)?;
+    let way = walk.way;
+    let hit = walk.neighbour(&way, &start, direction, &outline)?;
     let last = Ray {
         origin: position,
         direction,
