@@ -7,12 +7,14 @@ pub mod circular;
 pub mod conductor;
 pub mod dielectric;
 pub mod diffuse;
+pub mod grating;
 pub mod microfacet;
 pub mod null;
 pub mod polarizer;
 pub mod pplastic;
 pub mod retarder;
 pub mod roughconductor;
+pub mod slits;
 pub mod twosided;
 
 use glam::Vec3A;
@@ -127,6 +129,10 @@ pub enum Material {
     Circular(circular::Circular),
     /// Nothing.
     Null(null::Null),
+    /// Grating.
+    Grating(Box<grating::Grating>),
+    /// Openings in an opaque screen.
+    Slits(Box<slits::Slits>),
     /// Matter with two sides.
     TwoSided(twosided::TwoSided),
 }
@@ -144,6 +150,8 @@ macro_rules! ask {
             Material::Retarder($m) => $answer,
             Material::Circular($m) => $answer,
             Material::Null($m) => $answer,
+            Material::Grating($m) => $answer,
+            Material::Slits($m) => $answer,
             Material::TwoSided($m) => $answer,
         }
     };
@@ -198,10 +206,13 @@ pub trait Matter {
 impl Material {
     /// Whether light meets it from both sides by itself.
     pub fn is_two_sided(&self) -> bool {
-        !matches!(
-            self,
-            Self::Diffuse(_) | Self::Conductor(_) | Self::RoughConductor(_) | Self::Pplastic(_)
-        )
+        match self {
+            Self::Diffuse(_) | Self::Conductor(_) | Self::RoughConductor(_) | Self::Pplastic(_) => {
+                false
+            }
+            Self::Grating(grating) => grating.is_two_sided(),
+            _ => true,
+        }
     }
 }
 

@@ -22,11 +22,13 @@ use crate::material::circular::Circular;
 use crate::material::conductor::Conductor;
 use crate::material::dielectric::Dielectric;
 use crate::material::diffuse::Diffuse;
+use crate::material::grating::Grating;
 use crate::material::null::Null;
 use crate::material::polarizer::Polarizer;
 use crate::material::pplastic::Pplastic;
 use crate::material::retarder::Retarder;
 use crate::material::roughconductor::RoughConductor;
+use crate::material::slits::Slits;
 use crate::material::twosided::TwoSided;
 use crate::path::PathOptions;
 use crate::sensor::perspective::Perspective;
@@ -189,8 +191,9 @@ impl Builder {
             return Err(plugins::refuse(object));
         }
         let emitter = object.child(Tag::Emitter)?;
-        let material = match object.child(Tag::Bsdf)? {
-            Some(bsdf) => self.material(&bsdf)?,
+        let bsdf = object.child(Tag::Bsdf)?;
+        let material = match &bsdf {
+            Some(bsdf) => self.material(bsdf)?,
             None if emitter.is_some() => self.add_material(
                 Material::Diffuse(Diffuse::black()),
                 "black (default)".to_owned(),
@@ -201,6 +204,10 @@ impl Builder {
             ),
         };
         let body = self.body(object, emitter.is_some())?;
+        let material = match &bsdf {
+            Some(bsdf) => self.placed(material, bsdf, object, body)?,
+            None => material,
+        };
         let emitter = match emitter {
             Some(emitter) if emitter.plugin == "area" => {
                 let area = Area::read(&emitter, body)?;
@@ -224,6 +231,34 @@ impl Builder {
             Body::Mesh(_) => self.scene.mesh_owners.push(owner),
         }
         object.finish()
+    }
+
+    /// Matter that has to know its shape, made for this one; other matter as it is.
+    fn placed(
+        &mut self,
+        material: u32,
+        bsdf: &Object,
+        shape: &Object,
+        body: Body,
+    ) -> Result<u32, SceneError> {
+        let Material::Slits(slits) = &self.scene.materials[material as usize] else {
+            return Ok(material);
+        };
+        let outline = match body {
+            Body::Shape(index) if shape.plugin == "rectangle" => {
+                self.scene.shapes[index as usize].outline()
+            }
+            _ => None,
+        };
+        let outline = outline.ok_or_else(|| {
+            bsdf.error(format!(
+                "bsdf 'slits' on {}, expected it on a rectangle",
+                shape.describe()
+            ))
+        })?;
+        let slits = slits.placed(&outline).map_err(|e| shape.error(e))?;
+        let name = self.material_names[material as usize].clone();
+        Ok(self.add_material(Material::Slits(Box::new(slits)), name))
     }
 
     /// The geometry of a shape.
@@ -368,6 +403,8 @@ fn read_material(object: &Rc<Object>) -> Result<Material, SceneError> {
         "polarizer" => Material::Polarizer(Polarizer::read(object)?),
         "retarder" => Material::Retarder(Retarder::read(object)?),
         "circular" => Material::Circular(Circular::read(object)?),
+        "grating" => Material::Grating(Box::new(Grating::read(object)?)),
+        "slits" => Material::Slits(Box::new(Slits::read(object)?)),
         "null" => Material::Null(Null),
         "twosided" => {
             let sides = object.children(Tag::Bsdf);

@@ -142,6 +142,23 @@ impl Object {
         Ok(matrix)
     }
 
+    /// A length in metres: a number of metres, or a text with a unit, `550nm`, `1.6um`, `1.6 µm`, `2mm`, `5cm`, `1m`.
+    ///
+    /// `default` where the file gives none.
+    pub fn micro_length(
+        &self,
+        name: &str,
+        default: Option<f64>,
+    ) -> Result<Option<f64>, SceneError> {
+        let value = self.get(name, EXPECTED_LENGTH, |value| match value {
+            Value::Float(v) | Value::Uniform(v) => Some(*v),
+            Value::Integer(v) => Some(*v as f64),
+            Value::String(text) => length(text),
+            _ => None,
+        })?;
+        Ok(value.or(default))
+    }
+
     /// A file that the file must give and that exists; looked for beside the scene file, then in its `<path>` folders.
     pub fn path(&self, name: &str) -> Result<PathBuf, SceneError> {
         let text = self
@@ -185,6 +202,27 @@ impl Object {
             None => Ok(None),
         }
     }
+}
+
+const EXPECTED_LENGTH: &str = "a length in metres or with a unit, such as '550nm' or '1.6um'";
+
+/// A length with its unit, in metres.
+pub(crate) fn length(text: &str) -> Option<f64> {
+    const UNITS: [(&str, f64); 7] = [
+        ("nm", 1e-9),
+        ("um", 1e-6),
+        ("µm", 1e-6),
+        ("μm", 1e-6),
+        ("mm", 1e-3),
+        ("cm", 1e-2),
+        ("m", 1.0),
+    ];
+    let text = text.trim();
+    let (number, scale) = UNITS
+        .iter()
+        .find_map(|(unit, scale)| Some((text.strip_suffix(unit)?, *scale)))?;
+    let value = number.trim_end().parse::<f64>().ok()? * scale;
+    value.is_finite().then_some(value)
 }
 
 /// Whether the columns span a volume, relative to their lengths, that survives rounding.
@@ -301,6 +339,23 @@ mod tests {
         let small = read("<scale value='1e-150'/><rotate x='1' y='2' angle='40'/>").unwrap();
         assert!(small.transform_vector3(DVec3::X).length() > 0.0);
         assert_eq!(bsdf("").transform("t"), Ok(DMat4::IDENTITY));
+    }
+
+    #[test]
+    fn lengths_have_units_or_are_metres() {
+        let object = bsdf(
+            "<string name='a' value='550nm'/><string name='b' value='1.6 µm'/><float name='c' value='2e-6'/>\
+             <string name='d' value='3 furlongs'/>",
+        );
+        let length = |name| object.micro_length(name, None).unwrap().unwrap();
+        assert!((length("a") - 550e-9).abs() < 1e-21 && (length("b") - 1.6e-6).abs() < 1e-20);
+        assert_eq!(length("c"), 2e-6);
+        assert_eq!(object.micro_length("e", Some(1.0)), Ok(Some(1.0)));
+        assert_eq!(
+            object.micro_length("d", None).unwrap_err().to_string(),
+            "scene.xml:2:7: parameter 'd' of bsdf 'roughconductor' is a string ('3 furlongs'), \
+             expected a length in metres or with a unit, such as '550nm' or '1.6um'"
+        );
     }
 
     #[test]

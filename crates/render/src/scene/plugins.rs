@@ -19,11 +19,13 @@ const KINDS: [Kind; 8] = [
             "conductor",
             "dielectric",
             "diffuse",
+            "grating",
             "null",
             "polarizer",
             "pplastic",
             "retarder",
             "roughconductor",
+            "slits",
             "twosided",
         ],
         missing: &[
