@@ -59,10 +59,10 @@ impl Shares {
         let place = phi * self.per_phi;
         let (row, x) = (place as usize, place.fract());
         let width = 2 * self.last as usize + 1;
-        let start = row * width + (order + self.last) as usize;
-        if order.abs() > self.last || start + 3 * width >= self.rows.len() {
+        if order.abs() > self.last || (row + 4) * width > self.rows.len() {
             return self.profile.amplitude(phi_z, q).norm_sqr();
         }
+        let start = row * width + (order + self.last) as usize;
         let value = |k: usize| f64::from(self.rows[start + k * width]);
         // Lagrange through −1, 0, 1, 2
         let (a, b, c) = (x + 1.0, x - 1.0, x - 2.0);

@@ -261,7 +261,8 @@ fn haloes_and_finite_orders_carry_what_is_not_sharp() {
                     (sharp + lobes - whole).abs() < 0.015 * whole + 1e-9,
                     "{side} {size:?}: {sharp} + {lobes}, {whole}"
                 );
-                assert!(whole == 0.0 || (lobes > 0.1 * whole && sharp < 0.9 * whole));
+                // g is 0.46 in reflection, 0.03 in transmission
+                assert!(whole == 0.0 || (lobes > 0.02 * whole && sharp < 0.98 * whole));
             }
         }
     }
