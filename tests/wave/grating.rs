@@ -14,7 +14,8 @@ const LAMBDA: f64 = 550e-9;
 /// Mean of a one-pixel image and its standard error, with patches of the given size.
 fn seen(text: &str, spp: u64, patch: f32) -> (f64, f64) {
     let shot = Shot::new(spp);
-    let document = read_text(text, Path::new("test.xml"), &[]).unwrap();
+    let document =
+        read_text(text, Path::new("test.xml"), &[]).unwrap_or_else(|error| panic!("{error}"));
     let mut job = shot.job(&document);
     job.paths.patch = patch;
     let rendering = render(&job, Limits::default(), &AtomicBool::new(false), |_| ());
