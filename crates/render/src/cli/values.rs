@@ -3,6 +3,8 @@
 use std::str::FromStr;
 use std::time::Duration;
 
+use crate::scene::metres;
+
 /// `640x480`, pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size(pub [u32; 2]);
@@ -153,24 +155,11 @@ impl FromStr for Separation {
 
 /// A length with its unit, in metres; 0 needs none.
 fn length(text: &str) -> Option<f64> {
-    let text = text.trim();
-    if text == "0" {
-        return Some(0.0);
+    if text.trim() == "0" {
+        Some(0.0)
+    } else {
+        metres(text)
     }
-    let units = [
-        ("nm", 1e-9),
-        ("um", 1e-6),
-        ("µm", 1e-6),
-        ("μm", 1e-6),
-        ("mm", 1e-3),
-        ("cm", 1e-2),
-        ("m", 1.0),
-    ];
-    let (number, factor) = units
-        .iter()
-        .find_map(|(unit, factor)| text.strip_suffix(unit).map(|number| (number, *factor)))?;
-    let value: f64 = number.trim().parse().ok()?;
-    value.is_finite().then_some(value * factor)
 }
 
 /// A time from `60s`, `60`, `2m`, `1h`, `500ms`.

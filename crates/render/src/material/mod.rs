@@ -8,6 +8,7 @@ pub mod circular;
 pub mod conductor;
 pub mod dielectric;
 pub mod diffuse;
+pub mod grating;
 pub mod index;
 pub mod layered;
 #[cfg(test)]
@@ -25,6 +26,7 @@ pub mod roughdielectric;
 pub mod roughplastic;
 pub mod roughsurface;
 pub mod scatterer16;
+pub mod slits;
 #[cfg(test)]
 pub mod testing;
 pub mod thindielectric;
@@ -163,6 +165,10 @@ pub enum Material {
     RoughPlastic(roughplastic::RoughPlastic),
     /// Any locally stationary matter.
     Scatterer16(Box<scatterer16::Scatterer16>),
+    /// Grating.
+    Grating(Box<grating::Grating>),
+    /// Openings in an opaque screen.
+    Slits(Box<slits::Slits>),
     /// Matter with two sides.
     TwoSided(twosided::TwoSided),
     /// Matter for tests.
@@ -193,6 +199,8 @@ macro_rules! ask {
             Material::Plastic($m) => $answer,
             Material::RoughPlastic($m) => $answer,
             Material::Scatterer16($m) => $answer,
+            Material::Grating($m) => $answer,
+            Material::Slits($m) => $answer,
             Material::TwoSided($m) => $answer,
             #[cfg(test)]
             Material::Lobe($m) => $answer,
@@ -268,6 +276,7 @@ impl Material {
             Self::Layered(layered) => !layered.is_opaque(),
             Self::RoughSurface(surface) => !surface.is_metal(),
             Self::Mueller(element) => !element.is_mirror(),
+            Self::Grating(grating) => grating.is_two_sided(),
             _ => true,
         }
     }

@@ -25,6 +25,7 @@ use crate::material::circular::Circular;
 use crate::material::conductor::Conductor;
 use crate::material::dielectric::Dielectric;
 use crate::material::diffuse::Diffuse;
+use crate::material::grating::Grating;
 use crate::material::layered::Layered;
 use crate::material::mueller::MuellerElement;
 use crate::material::null::Null;
@@ -38,6 +39,7 @@ use crate::material::roughdielectric::RoughDielectric;
 use crate::material::roughplastic::RoughPlastic;
 use crate::material::roughsurface::RoughSurface;
 use crate::material::scatterer16::Scatterer16;
+use crate::material::slits::Slits;
 use crate::material::thindielectric::ThinDielectric;
 use crate::material::twosided::TwoSided;
 use crate::path::PathOptions;
@@ -262,8 +264,9 @@ impl Builder {
             return Err(plugins::refuse(object));
         }
         let emitter = object.child(Tag::Emitter)?;
-        let material = match object.child(Tag::Bsdf)? {
-            Some(bsdf) => self.material(&bsdf)?,
+        let bsdf = object.child(Tag::Bsdf)?;
+        let material = match &bsdf {
+            Some(bsdf) => self.material(bsdf)?,
             None if emitter.is_some() => self.add_material(
                 Material::Diffuse(Diffuse::black()),
                 "black (default)".to_owned(),
@@ -274,6 +277,10 @@ impl Builder {
             ),
         };
         let body = self.body(object, emitter.is_some())?;
+        let material = match &bsdf {
+            Some(bsdf) => self.placed(material, bsdf, object, body)?,
+            None => material,
+        };
         let emitter = match emitter {
             Some(emitter) => Some(self.shining(&emitter, object, body)?),
             None => None,
@@ -284,6 +291,34 @@ impl Builder {
             Body::Mesh(_) => self.scene.mesh_owners.push(owner),
         }
         object.finish()
+    }
+
+    /// Matter that has to know its shape, made for this one; other matter as it is.
+    fn placed(
+        &mut self,
+        material: u32,
+        bsdf: &Object,
+        shape: &Object,
+        body: Body,
+    ) -> Result<u32, SceneError> {
+        let Material::Slits(slits) = &self.scene.materials[material as usize] else {
+            return Ok(material);
+        };
+        let outline = match body {
+            Body::Shape(index) if shape.plugin == "rectangle" => {
+                self.scene.shapes[index as usize].outline()
+            }
+            _ => None,
+        };
+        let outline = outline.ok_or_else(|| {
+            bsdf.error(format!(
+                "bsdf 'slits' on {}, expected it on a rectangle",
+                shape.describe()
+            ))
+        })?;
+        let slits = slits.placed(&outline).map_err(|e| shape.error(e))?;
+        let name = self.material_names[material as usize].clone();
+        Ok(self.add_material(Material::Slits(Box::new(slits)), name))
     }
 
     /// The geometry of a shape.
@@ -433,6 +468,8 @@ fn read_material(object: &Rc<Object>) -> Result<Material, SceneError> {
         "birefringent" => Material::Birefringent(Birefringent::read(object)?),
         "rotator" => Material::Rotator(Rotator::read(object)?),
         "mueller" => Material::Mueller(MuellerElement::read(object)?),
+        "grating" => Material::Grating(Box::new(Grating::read(object)?)),
+        "slits" => Material::Slits(Box::new(Slits::read(object)?)),
         "null" => Material::Null(Null),
         "roughdielectric" => Material::RoughDielectric(RoughDielectric::read(object)?),
         "thindielectric" => Material::ThinDielectric(ThinDielectric::read(object)?),

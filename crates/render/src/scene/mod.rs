@@ -39,6 +39,7 @@ pub use build::{BuiltScene, Overrides, build};
 pub use document::Document;
 pub use error::{Position, SceneError, nearest};
 pub use object::Object;
+pub(crate) use params::metres;
 pub use tag::Tag;
 pub use world::{Body, Encounter, Owner, Scene};
 pub use xml::{read, read_text};

@@ -218,7 +218,7 @@ impl Object {
 }
 
 /// Reads a number with a unit of length.
-pub(super) fn metres(text: &str) -> Option<f64> {
+pub(crate) fn metres(text: &str) -> Option<f64> {
     let text = text.trim();
     let unit = text.find(|c: char| c.is_alphabetic() && !matches!(c, 'e' | 'E'))?;
     let (number, unit) = text.split_at(unit);
@@ -382,6 +382,26 @@ mod tests {
         let small = read("<scale value='1e-150'/><rotate x='1' y='2' angle='40'/>").unwrap();
         assert!(small.transform_vector3(DVec3::X).length() > 0.0);
         assert_eq!(bsdf("").transform("t"), Ok(DMat4::IDENTITY));
+    }
+
+    #[test]
+    fn lengths_have_units_or_are_metres() {
+        let object = bsdf(
+            "<string name='a' value='550nm'/><string name='b' value='1.6 µm'/><float name='c' value='2e-6'/>\
+             <string name='d' value='3 furlongs'/>",
+        );
+        let length = |name| object.micro_length(name, None).unwrap().unwrap();
+        assert!((length("a") - 550e-9).abs() < 1e-21 && (length("b") - 1.6e-6).abs() < 1e-20);
+        assert_eq!(length("c"), 2e-6);
+        assert_eq!(object.micro_length("e", Some(1.0)), Ok(Some(1.0)));
+        let message = object.micro_length("d", None).unwrap_err().to_string();
+        assert!(
+            message.ends_with(
+                "parameter 'd' of bsdf 'roughconductor' is a string ('3 furlongs'), \
+                 expected a length in metres or with a unit, such as '550nm' or '1.6um'"
+            ),
+            "{message}"
+        );
     }
 
     #[test]
