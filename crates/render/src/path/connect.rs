@@ -67,17 +67,16 @@ pub(super) struct Place<'a> {
 }
 
 /// Light on its way from a source to a vertex.
-struct Arrival<'a, L: Light> {
+struct Arrival<L: Light> {
     response: L::Response,
     emission: Emission<L>,
     /// Toward the centre of what is averaged: the light comes along `−direction`.
     direction: Vec3A,
     coherence: Coherence,
     weight: f32,
-    patch: Option<(Cut<'a>, u32)>,
 }
 
-impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
+impl<L: Light, W: Witness> Walk<'_, L, W> {
     /// Adds the light of one emitter, chosen with probability `chosen`.
     #[inline]
     pub(super) fn connect(
@@ -92,21 +91,7 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
         if let Some(lobe) = place.lobe
             && let Some(cut) = emitter.cut(self.scene, position, largest_patch(self.options, lobe))
         {
-            let arrival = if sums_all(&cut) {
-                self.all_patches(throughput, place, emitter, cut, u[2])
-                    .map(|arrival| Arrival {
-                        weight: arrival.weight / chosen,
-                        ..arrival
-                    })
-            } else {
-                self.one_patch(place, emitter, cut, u[2])
-            };
-            if let Some(arrival) = arrival
-                && let Some((cut, index)) = arrival.patch
-                && let Some((direction, target)) = cut.point(index, [u[0], u[1]])
-            {
-                self.add(throughput, place, &arrival, direction, target);
-            }
+            self.connect_patch(throughput, place, emitter, chosen, &cut, u);
             return;
         }
         let Some(connection) = emitter.connect(self.scene, position, place.lit_frame, [u[0], u[1]])
@@ -131,7 +116,6 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
             direction: connection.direction,
             coherence: connection.coherence,
             weight: share * connection.weight / density,
-            patch: None,
         };
         self.add(
             throughput,
@@ -140,6 +124,33 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
             connection.direction,
             connection.target,
         );
+    }
+
+    /// Adds the light of the patches of an emitter.
+    #[inline(never)]
+    fn connect_patch(
+        &mut self,
+        throughput: &L::Throughput,
+        place: &Place<'_>,
+        emitter: &Emitter,
+        chosen: f32,
+        cut: &Cut<'_>,
+        u: [f32; 3],
+    ) {
+        let arrival = if sums_all(cut) {
+            self.all_patches(throughput, place, emitter, cut, u[2])
+                .map(|(mut arrival, index)| {
+                    arrival.weight /= chosen;
+                    (arrival, index)
+                })
+        } else {
+            self.one_patch(place, emitter, cut, u[2])
+        };
+        if let Some((arrival, index)) = arrival
+            && let Some((direction, target)) = cut.point(index, [u[0], u[1]])
+        {
+            self.add(throughput, place, &arrival, direction, target);
+        }
     }
 
     /// The response of a vertex to light from a world direction, its axes in the world, and the density of the direction.
@@ -162,13 +173,13 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
     }
 
     /// One patch, drawn evenly, against rays that hit it.
-    fn one_patch<'b>(
+    fn one_patch(
         &self,
         place: &Place<'_>,
         emitter: &Emitter,
-        cut: Cut<'b>,
+        cut: &Cut<'_>,
         u: f32,
-    ) -> Option<Arrival<'b, L>> {
+    ) -> Option<(Arrival<L>, u32)> {
         let count = cut.len();
         let index = ((u * count as f32) as u32).min(count - 1);
         let patch = cut.patch(index);
@@ -176,31 +187,31 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
         if own <= 0.0 {
             return None;
         }
-        let density = patch_density(self.scene, &cut, &patch);
+        let density = patch_density(self.scene, cut, &patch);
         let share = if emitter.can_be_met() {
             power_heuristic(density, own)
         } else {
             1.0
         };
-        Some(Arrival {
+        let arrival = Arrival {
             response,
             emission: emitter.emit(-patch.direction, patch.centre, self.wavelengths),
             direction: patch.direction,
             coherence: patch.coherence(),
             weight: share / density,
-            patch: Some((cut, index)),
-        })
+        };
+        Some((arrival, index))
     }
 
     /// All patches: one stands for the sum, drawn in proportion to its light, so that only visibility is left to chance.
-    fn all_patches<'b>(
+    fn all_patches(
         &self,
         throughput: &L::Throughput,
         place: &Place<'_>,
         emitter: &Emitter,
-        cut: Cut<'b>,
+        cut: &Cut<'_>,
         mut u: f32,
-    ) -> Option<Arrival<'b, L>> {
+    ) -> Option<(Arrival<L>, u32)> {
         let o = place.vertex.frame.to_world(place.vertex.o);
         let mut standing = None;
         let (mut sum, mut standing_power) = (0.0, 0.0);
@@ -226,47 +237,63 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
             if u < share {
                 u /= share;
                 standing_power = power;
-                standing = Some(Arrival {
+                let arrival = Arrival {
                     response,
                     emission,
                     direction: patch.direction,
                     coherence: patch.coherence(),
                     weight: patch.solid_angle,
-                    patch: Some((cut, index)),
-                });
+                };
+                standing = Some((arrival, index));
             } else {
                 u = (u - share) / (1.0 - share);
             }
         }
-        standing.map(|arrival| Arrival {
-            weight: arrival.weight * sum / standing_power,
-            ..arrival
+        standing.map(|(mut arrival, index)| {
+            arrival.weight *= sum / standing_power;
+            (arrival, index)
         })
     }
 
     /// Adds the light if nothing stands between the vertex and a point of the source.
+    #[inline]
     fn add(
         &mut self,
         throughput: &L::Throughput,
         place: &Place<'_>,
-        arrival: &Arrival<'_, L>,
+        arrival: &Arrival<L>,
         direction: Vec3A,
         target: Option<Target>,
     ) {
         let o = place.vertex.frame.to_world(place.vertex.o);
         let k = -arrival.direction;
         let source = Some((arrival.direction, arrival.coherence));
-        if !self.scene.traits().straight {
-            self.counters.rays += 1;
-            let ray = Scene::shadow_ray(place.surface, direction, target.as_ref());
-            if self.scene.is_free(&ray, self.stack) {
-                let light =
-                    L::collect_through(throughput, arrival.response, o, &arrival.emission, k);
-                self.add_light(light, arrival.weight, source);
-            }
+        if self.scene.traits().straight {
+            self.add_through(throughput, place, arrival, direction, target.as_ref());
             return;
         }
-        if let Some(passage) = self.straight_passage(place, direction, target.as_ref()) {
+        self.counters.rays += 1;
+        let ray = Scene::shadow_ray(place.surface, direction, target.as_ref());
+        if self.scene.is_free(&ray, self.stack) {
+            let light = L::collect_through(throughput, arrival.response, o, &arrival.emission, k);
+            self.add_light(light, arrival.weight, source);
+        }
+    }
+
+    /// The same where flat matter may stand on the way.
+    #[inline(never)]
+    fn add_through(
+        &mut self,
+        throughput: &L::Throughput,
+        place: &Place<'_>,
+        arrival: &Arrival<L>,
+        direction: Vec3A,
+        target: Option<&Target>,
+    ) {
+        let o = place.vertex.frame.to_world(place.vertex.o);
+        let k = -arrival.direction;
+        let source = Some((arrival.direction, arrival.coherence));
+        if let Some(passage) = self.straight_passage(place, direction, target) {
             let light = match passage {
                 None => L::collect_through(throughput, arrival.response, o, &arrival.emission, k),
                 Some(passage) => {

@@ -3,7 +3,7 @@
 use glam::Vec3A;
 
 use super::witness::Witness;
-use super::{Behind, Walk, connect, power_heuristic};
+use super::{Origin, Waiting, Walk, connect, power_heuristic};
 use crate::coherence::Coherence;
 use crate::geometry::ray::Ray;
 use crate::light::Light;
@@ -15,22 +15,21 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
     pub(super) fn collect_hit(
         &mut self,
         throughput: &L::Throughput,
-        behind: Option<&Behind<'a>>,
+        origin: Option<&Origin>,
+        waiting: Option<&Waiting<'a>>,
         emitter: u32,
         encounter: Option<&Encounter>,
         ray: &Ray,
     ) {
         let source = &self.scene.emitters[emitter as usize];
         let k = -ray.direction;
-        let share = match behind {
-            None => 1.0,
-            Some(from) => match from.waits {
-                None => self.plane_wave_share(from, emitter, encounter),
-                Some(lobe) => {
-                    self.collect_patch(throughput, from, lobe, emitter, encounter, ray);
-                    return;
-                }
-            },
+        let share = match (origin, waiting) {
+            (None, _) => 1.0,
+            (Some(origin), None) => self.plane_wave_share(origin, emitter, encounter),
+            (Some(origin), Some(from)) => {
+                self.collect_patch(throughput, origin, from, emitter, encounter, ray);
+                return;
+            }
         };
         let position = encounter.map_or(Vec3A::ZERO, |e| e.surface.position);
         let emission = source.emit::<L>(k, position, self.wavelengths);
@@ -39,22 +38,17 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
 
     /// Weight of a hit beside connections from the vertex behind to single directions of the same light.
     #[inline]
-    fn plane_wave_share(
-        &self,
-        from: &Behind<'a>,
-        emitter: u32,
-        encounter: Option<&Encounter>,
-    ) -> f32 {
+    fn plane_wave_share(&self, from: &Origin, emitter: u32, encounter: Option<&Encounter>) -> f32 {
         let other = match encounter {
             _ if !self.way.straight => return 1.0,
             Some(e) => self
                 .scene
-                .density_of_hit(emitter, from.vertex.position, &e.surface),
+                .density_of_hit(emitter, from.position, &e.surface),
             None => self
                 .scene
                 .density_of_miss(&from.lit_frame, self.way.direction),
         };
-        power_heuristic(from.departure.density, other)
+        power_heuristic(from.density, other)
     }
 
     /// Light of an emitter for a vertex behind that has waited for it: with the coherence of the patch that was hit.
@@ -62,8 +56,8 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
     fn collect_patch(
         &mut self,
         throughput: &L::Throughput,
-        from: &Behind<'a>,
-        lobe: f32,
+        origin: &Origin,
+        from: &Waiting<'a>,
         emitter: u32,
         encounter: Option<&Encounter>,
         ray: &Ray,
@@ -74,7 +68,7 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
             -ray.direction,
             encounter.map_or(Vec3A::ZERO, |e| e.surface.position),
         );
-        let largest = connect::largest_patch(self.options, lobe);
+        let largest = connect::largest_patch(self.options, from.lobe);
         let cut = match encounter {
             Some(_) if self.way.straight => source.cut(scene, from.vertex.position, largest),
             _ => None,
@@ -107,7 +101,7 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
             let (response, _) = self.respond_behind(from, i, &Coherence::PLANE_WAVE);
             (
                 response,
-                self.plane_wave_share(from, emitter, encounter),
+                self.plane_wave_share(origin, emitter, encounter),
                 position,
                 i,
                 Coherence::PLANE_WAVE,

@@ -64,17 +64,24 @@ pub struct Counters {
     pub rays: u64,
 }
 
-/// The last vertex with a continuous lobe, whose direction toward the light is drawn.
-struct Behind<'a> {
+/// The last vertex with a continuous lobe: what weighs its direction against connections.
+struct Origin {
+    position: Vec3A,
+    /// The vertex's frame with its normal on the camera's side.
+    lit_frame: Frame,
+    /// Of the direction that was drawn.
+    density: f32,
+}
+
+/// That vertex while its response waits for the coherence of the light, and is not yet in the throughput.
+struct Waiting<'a> {
     material: &'a Material,
     vertex: Vertex,
     /// Half-widths of the box that contains the true point, and the geometric normal: where its rays start.
     start: (Vec3A, Vec3A),
-    /// The vertex's frame with its normal on the camera's side.
-    lit_frame: Frame,
     departure: Departure,
-    /// Width of its lobe if its response waits for the coherence of the light; `None`: it is in the throughput.
-    waits: Option<f32>,
+    /// Width of its lobe.
+    lobe: f32,
 }
 
 /// Random dimensions: the film takes 0 and 1, the wavelength 2; then eight a vertex.
@@ -137,7 +144,8 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
     fn run(&mut self, mut ray: Ray, axis: Vec3A) {
         let (scene, options) = (self.scene, self.options);
         let mut throughput = L::identity(axis);
-        let mut behind: Option<Behind<'a>> = None;
+        let mut origin: Option<Origin> = None;
+        let mut waiting: Option<Waiting<'a>> = None;
         // the camera's own rays, until they meet anything
         let mut first = true;
         // ratio of the indices along the path: roulette looks at power, not at radiance
@@ -165,7 +173,8 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
             if let Some(emitter) = source {
                 self.collect_hit(
                     &throughput,
-                    behind.as_ref(),
+                    origin.as_ref(),
+                    waiting.as_ref(),
                     emitter,
                     encounter.as_ref(),
                     &ray,
@@ -180,17 +189,14 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
 
             // light that matter scatters comes to the vertex behind as plane waves; what that matter lets through
             // unscattered still has to tell where it comes from
-            let mut scattered = match &behind {
-                Some(from) if from.waits.is_some() && !material.is_discrete() => {
-                    Some(self.plane_wave_through(&throughput, from))
-                }
-                _ => None,
-            };
+            let mut scattered = waiting
+                .as_ref()
+                .filter(|_| !material.is_discrete())
+                .map(|from| self.plane_wave_through(&throughput, from));
             if scattered.as_ref().is_some_and(|s| L::strength(s) <= 0.0) {
                 break;
             }
-            let known =
-                scattered.is_some() || behind.as_ref().is_none_or(|from| from.waits.is_none());
+            let known = scattered.is_some() || waiting.is_none();
 
             // end weak paths
             let dimension = FIRST_VERTEX + PER_VERTEX * (depth - 1);
@@ -262,52 +268,49 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
                 departure.direction.z * vertex.o.z > 0.0,
             );
             eta *= departure.eta;
-            match departure.part {
-                Part::Continuous => {
-                    let next = Behind {
-                        material,
-                        vertex,
-                        start: (surface.error, surface.normal),
-                        lit_frame,
-                        departure,
-                        waits: lobe,
-                    };
-                    if let Some(scattered) = scattered {
-                        throughput = scattered;
+            let continuous = departure.part == Part::Continuous;
+            if continuous && let Some(scattered) = scattered {
+                throughput = scattered;
+                waiting = None;
+            }
+            if continuous && let Some(lobe) = lobe {
+                waiting = Some(Waiting {
+                    material,
+                    vertex,
+                    start: (surface.error, surface.normal),
+                    departure,
+                    lobe,
+                });
+            } else {
+                let (response, _) = material.respond::<L>(
+                    &vertex,
+                    departure.direction,
+                    departure.part,
+                    self.wavelengths,
+                    &Coherence::PLANE_WAVE,
+                );
+                let response = L::map_axes(response, |v| frame.to_world(v));
+                let weight = departure.density.recip();
+                if let Some(from) = &waiting {
+                    self.way
+                        .extend(response, weight, o_world, vertex.viewer_distance);
+                    self.way.note(departure.part, encounter.owner.material);
+                    if self.way.is_lost() {
+                        throughput = self.plane_wave_through(&throughput, from);
+                        waiting = None;
                     }
-                    self.way.begin(direction);
-                    if lobe.is_none() {
-                        throughput = self.plane_wave_through(&throughput, &next);
-                    }
-                    behind = Some(next);
+                } else {
+                    throughput = L::extend(&throughput, response, weight, o_world);
+                    self.way.straight &= departure.part == Part::Straight;
                 }
-                Part::Straight | Part::Discrete(_) => {
-                    let (response, _) = material.respond::<L>(
-                        &vertex,
-                        departure.direction,
-                        departure.part,
-                        self.wavelengths,
-                        &Coherence::PLANE_WAVE,
-                    );
-                    let response = L::map_axes(response, |v| frame.to_world(v));
-                    let weight = departure.density.recip();
-                    match &mut behind {
-                        Some(from) => {
-                            self.way.note(departure.part, encounter.owner.material);
-                            if from.waits.is_some() {
-                                self.way
-                                    .extend(response, weight, o_world, vertex.viewer_distance);
-                                if self.way.is_lost() {
-                                    throughput = self.plane_wave_through(&throughput, from);
-                                    from.waits = None;
-                                }
-                            } else {
-                                throughput = L::extend(&throughput, response, weight, o_world);
-                            }
-                        }
-                        None => throughput = L::extend(&throughput, response, weight, o_world),
-                    }
-                }
+            }
+            if continuous {
+                origin = Some(Origin {
+                    position: surface.position,
+                    lit_frame,
+                    density: departure.density,
+                });
+                self.way.begin(direction);
             }
             if L::strength(&throughput) <= 0.0 {
                 break;
@@ -326,7 +329,7 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
     #[inline]
     fn respond_behind(
         &self,
-        from: &Behind<'_>,
+        from: &Waiting<'_>,
         i: Vec3A,
         coherence: &Coherence,
     ) -> (L::Response, f32) {
@@ -346,7 +349,7 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
     fn through(
         &self,
         throughput: &L::Throughput,
-        from: &Behind<'_>,
+        from: &Waiting<'_>,
         response: L::Response,
     ) -> L::Throughput {
         let o = from.vertex.frame.to_world(from.vertex.o);
@@ -356,7 +359,7 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
 
     /// The same for a plane wave from the direction that was drawn.
     #[inline]
-    fn plane_wave_through(&self, throughput: &L::Throughput, from: &Behind<'_>) -> L::Throughput {
+    fn plane_wave_through(&self, throughput: &L::Throughput, from: &Waiting<'_>) -> L::Throughput {
         let i = from.departure.direction;
         let (response, _) = self.respond_behind(from, i, &Coherence::PLANE_WAVE);
         self.through(throughput, from, response)

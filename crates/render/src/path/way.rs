@@ -10,7 +10,7 @@
 use glam::{Vec3A, vec2};
 
 use super::witness::Witness;
-use super::{Behind, Walk};
+use super::{Waiting, Walk};
 use crate::emitter::Emitter;
 use crate::emitter::patch::{Outline, Patch};
 use crate::geometry::frame::Frame;
@@ -114,7 +114,7 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
     /// `None` where neighbouring rays go other ways, near a caustic, and for emitters that are not flat.
     pub(super) fn patch_through(
         &mut self,
-        from: &Behind<'a>,
+        from: &Waiting<'a>,
         emitter: &Emitter,
         hit: &Surface,
         last: &Ray,

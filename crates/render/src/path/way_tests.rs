@@ -95,7 +95,7 @@ fn distances(content: &str, from: DVec3, direction: DVec3, parts: &[Part]) -> Op
         part: Part::Continuous,
         eta: 1.0,
     };
-    let behind = Behind {
+    let waiting = Waiting {
         material: &scene.materials[0],
         vertex: Vertex {
             o: Vec3A::Z,
@@ -104,9 +104,8 @@ fn distances(content: &str, from: DVec3, direction: DVec3, parts: &[Part]) -> Op
             viewer_distance: 1.0,
         },
         start: (Vec3A::ZERO, direction),
-        lit_frame: frame,
         departure,
-        waits: Some(0.01),
+        lobe: 0.01,
     };
     let emitter = &scene.emitters[0];
     let outline = emitter.outline(scene).expect("a flat lamp");
@@ -128,7 +127,7 @@ fn distances(content: &str, from: DVec3, direction: DVec3, parts: &[Part]) -> Op
         ..start
     };
     assert!((hit - outline.centre).length() < 1e-5, "{hit}");
-    let patch = walk.patch_through(&behind, emitter, &at, &last, 1.0)?;
+    let patch = walk.patch_through(&waiting, emitter, &at, &last, 1.0)?;
     // a patch that is hit in its centre lies where the ray goes
     assert!((patch.direction - direction).length() < 1e-5);
     let solid_angle = f64::from(patch.solid_angle);
