@@ -123,7 +123,7 @@ const SCENES: &[(&str, &str, &str, Outcome)] = &[
     ("shape in a shape", "SHAPE", "<shape type='cube'><shape type='cube'/></shape>", Refused("scene.xml:5:20")),
     ("two bsdfs", "SHAPE", "<shape type='cube'><bsdf type='diffuse'/><bsdf type='diffuse'/></shape>", Refused("scene.xml:5:")),
     ("unknown bsdf", "SHAPE", "<shape type='cube'><bsdf type='difuse'/></shape>", Refused("did you mean 'diffuse'?")),
-    ("bsdf to come", "SHAPE", "<shape type='cube'><bsdf type='roughdielectric'/></shape>", Refused("not supported yet")),
+    ("bsdf to come", "SHAPE", "<shape type='cube'><bsdf type='principled'/></shape>", Refused("not supported yet")),
     ("reflectance above one", "SHAPE", "<shape type='cube'><bsdf type='diffuse'><float name='reflectance' value='1.5'/></bsdf></shape>", Refused("scene.xml:5:")),
     ("negative reflectance", "SHAPE", "<shape type='cube'><bsdf type='diffuse'><float name='reflectance' value='-0.1'/></bsdf></shape>", Refused("scene.xml:5:")),
     ("negative index", "SHAPE", "<shape type='cube'><bsdf type='dielectric'><float name='int_ior' value='-1.5'/></bsdf></shape>", Refused("an index of refraction of -1.5, expected a positive number")),
