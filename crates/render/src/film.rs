@@ -77,13 +77,9 @@ impl FilmGeometry {
     /// Memory that the sums take, bytes; with or without those of coherence.
     pub fn bytes(&self, colours: usize, coherence: bool) -> u64 {
         let pixels = u64::from(self.crop_size[0]) * u64::from(self.crop_size[1]);
-        let stokes = (self.sums() * colours * size_of::<f64>()) as u64;
+        let products = usize::from(self.products) * size_of::<Products>();
+        let stokes = ((size_of::<Sums>() + products) * colours) as u64;
         pixels * (stokes + u64::from(coherence) * size_of::<CoherenceSums>() as u64)
-    }
-
-    /// Sums a pixel and colour.
-    fn sums(&self) -> usize {
-        if self.products { 8 + PAIRS.len() } else { 8 }
     }
 
     /// Empty tiles that cover the crop window, from left to right and from top to bottom.
@@ -99,8 +95,8 @@ impl FilmGeometry {
                 TileSums {
                     corner: [x, y],
                     size,
-                    stride: self.sums() * colours,
-                    sums: vec![0.0; pixels * self.sums() * colours],
+                    sums: vec![[0.0; 8]; pixels * colours],
+                    products: vec![[0.0; 6]; pixels * colours * usize::from(self.products)],
                     coherence: vec![CoherenceSums::default(); pixels * usize::from(coherence)],
                 }
             })
@@ -116,15 +112,21 @@ impl FilmGeometry {
 /// Pairs of components whose products are summed, beside the squares.
 const PAIRS: [(usize, usize); 6] = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
 
+/// The four components and their squares.
+type Sums = [f64; 8];
+
+/// One product for each of [`PAIRS`].
+type Products = [f64; 6];
+
 /// Sums over the samples of the pixels of a tile.
 #[derive(Clone, Debug)]
 pub struct TileSums {
     corner: [u32; 2],
     size: [u32; 2],
-    /// Sums a pixel.
-    stride: usize,
-    /// For each pixel `[component][colour]`, then the squares in the same order, then perhaps `[pair][colour]`.
-    sums: Vec<f64>,
+    /// For each pixel and colour.
+    sums: Vec<Sums>,
+    /// The same; empty if nobody asks for weighted sums.
+    products: Vec<Products>,
     /// For each pixel; empty if nobody asks for coherence.
     coherence: Vec<CoherenceSums>,
 }
@@ -132,8 +134,10 @@ pub struct TileSums {
 /// The sums of one pixel.
 #[derive(Clone, Copy, Debug)]
 pub struct PixelSums<'a> {
-    sums: &'a [f64],
-    colours: usize,
+    /// For each colour.
+    sums: &'a [Sums],
+    /// The same, or empty.
+    products: &'a [Products],
 }
 
 impl TileSums {
@@ -149,18 +153,20 @@ impl TileSums {
         if !sample.values.iter().all(|v| v.is_finite()) {
             return false;
         }
-        let colours = sample.values.len();
-        let pixel = self.index(x, y);
-        let sums = &mut self.sums[pixel * self.stride..][..self.stride];
-        for (colour, value) in sample.values.iter().enumerate() {
+        let first = self.index(x, y) * sample.values.len();
+        let sums = &mut self.sums[first..][..sample.values.len()];
+        for (sums, value) in sums.iter_mut().zip(&sample.values) {
             let value = value.to_array().map(f64::from);
-            for (component, x) in value.into_iter().enumerate() {
-                sums[component * colours + colour] += x;
-                sums[(4 + component) * colours + colour] += x * x;
+            for k in 0..4 {
+                sums[k] += value[k];
+                sums[4 + k] += value[k] * value[k];
             }
-            if sums.len() > 8 * colours {
-                for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
-                    sums[(8 + pair) * colours + colour] += value[a] * value[b];
+        }
+        if let Some(products) = self.products.get_mut(first..) {
+            for (products, value) in products.iter_mut().zip(&sample.values) {
+                let value = value.to_array().map(f64::from);
+                for (product, (a, b)) in products.iter_mut().zip(PAIRS) {
+                    *product += value[a] * value[b];
                 }
             }
         }
@@ -188,17 +194,20 @@ impl TileSums {
 
     /// The sums of a pixel of the tile.
     pub fn pixel(&self, x: u32, y: u32, colours: usize) -> PixelSums<'_> {
-        let pixel = self.index(x, y);
+        let first = self.index(x, y) * colours;
         PixelSums {
-            sums: &self.sums[pixel * self.stride..][..self.stride],
-            colours,
+            sums: &self.sums[first..][..colours],
+            products: self
+                .products
+                .get(first..first + colours)
+                .unwrap_or_default(),
         }
     }
 
     /// Visits all pixels.
     pub fn for_each(&self, colours: usize, visit: &mut impl FnMut(u32, u32, PixelSums<'_>)) {
-        for ((x, y), sums) in self.pixels().zip(self.sums.chunks_exact(self.stride)) {
-            visit(x, y, PixelSums { sums, colours });
+        for (x, y) in self.pixels() {
+            visit(x, y, self.pixel(x, y, colours));
         }
     }
 }
@@ -207,8 +216,9 @@ impl PixelSums<'_> {
     /// Mean and variance of the mean after `count` samples; `index` counts through `[component][colour]`.
     pub fn estimate(&self, index: usize, count: u64) -> (f64, f64) {
         let n = count as f64;
-        let mean = self.sums[index] / n;
-        let square = self.sums[4 * self.colours + index] / n;
+        let (component, colour) = (index / self.sums.len(), index % self.sums.len());
+        let mean = self.sums[colour][component] / n;
+        let square = self.sums[colour][4 + component] / n;
         let variance = if count > 1 {
             ((square - mean * mean) / (n - 1.0)).max(0.0)
         } else {
@@ -221,17 +231,15 @@ impl PixelSums<'_> {
     ///
     /// `None` where the film sums no products, or after a single sample.
     pub fn variance_of(&self, weights: &[f64; 4], colour: usize, count: u64) -> Option<f64> {
-        if self.sums.len() == 8 * self.colours || count < 2 {
-            return None;
-        }
+        let products = self.products.get(colour).filter(|_| count > 1)?;
         let n = count as f64;
-        let at = |index: usize| self.sums[index * self.colours + colour] / n;
+        let at = |index: usize| self.sums[colour][index] / n;
         let covariance = |product: f64, a: usize, b: usize| product - at(a) * at(b);
         let squares = (0..4).map(|k| weights[k] * weights[k] * covariance(at(4 + k), k, k));
-        let pairs = PAIRS.into_iter().enumerate();
-        let products =
-            pairs.map(|(i, (a, b))| 2.0 * weights[a] * weights[b] * covariance(at(8 + i), a, b));
-        let sum: f64 = squares.chain(products).sum();
+        let pairs = PAIRS.into_iter().zip(products);
+        let pairs = pairs
+            .map(|((a, b), product)| 2.0 * weights[a] * weights[b] * covariance(product / n, a, b));
+        let sum: f64 = squares.chain(pairs).sum();
         Some((sum / (n - 1.0)).max(0.0))
     }
 }

@@ -80,6 +80,8 @@ pub struct Departure {
 /// What transport has to know of matter before it meets it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traits {
+    /// All its directions are discrete: see [`Matter::is_discrete`]; noted by [`Material`] itself.
+    pub discrete: bool,
     /// Some light goes straight through: [`Part::Straight`].
     pub straight: bool,
     /// It answers to the coherence of light: [`Matter::lobe_width`] may be `Some`.
@@ -92,6 +94,7 @@ impl Traits {
     /// Whatever either does.
     pub fn or(self, other: Self) -> Self {
         Self {
+            discrete: self.discrete || other.discrete,
             straight: self.straight || other.straight,
             coherent: self.coherent || other.coherent,
             disperses: self.disperses || other.disperses,
@@ -319,7 +322,10 @@ impl Matter for Material {
     }
 
     fn traits(&self) -> Traits {
-        ask!(self, m => m.traits())
+        Traits {
+            discrete: self.is_discrete(),
+            ..ask!(self, m => m.traits())
+        }
     }
 
     fn check_wavelengths(&self, range: [f64; 2]) -> Result<(), SceneError> {

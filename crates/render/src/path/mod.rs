@@ -186,12 +186,13 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
             }
             let surface = encounter.surface;
             let material = &scene.materials[encounter.owner.material as usize];
+            let traits = scene.traits_of(encounter.owner.material);
 
             // light that matter scatters comes to the vertex behind as plane waves; what that matter lets through
             // unscattered still has to tell where it comes from
             let mut scattered = waiting
                 .as_ref()
-                .filter(|_| !material.is_discrete())
+                .filter(|_| !traits.discrete)
                 .map(|from| self.plane_wave_through(&throughput, from));
             if scattered.as_ref().is_some_and(|s| L::strength(s) <= 0.0) {
                 break;
@@ -226,20 +227,19 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
             } else {
                 frame
             };
-            let lobe = if options.patch > 0.0 && scene.traits_of(encounter.owner.material).coherent
-            {
+            let lobe = if options.patch > 0.0 && traits.coherent {
                 material.lobe_width(&vertex, self.wavelengths)
             } else {
                 None
             };
 
-            if !material.is_discrete() {
+            if !traits.discrete {
                 self.witness.meets(lit_frame.n, eta);
             }
 
             // connect to a light source
             let [drawn, spare] = self.stream.pair(dimension + 6);
-            if !material.is_discrete()
+            if !traits.discrete
                 && let Some((emitter, share)) = scene.choose_emitter(choice)
             {
                 let place = connect::Place {
