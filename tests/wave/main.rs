@@ -12,3 +12,4 @@ mod layered;
 mod mueller;
 mod rhomb;
 mod through_plates;
+mod wave_scenes;
