@@ -25,7 +25,8 @@ fn seen(
     [x, y]: [u32; 2],
 ) -> ([f64; 4], [f64; 4]) {
     let path = repository().join("scenes").join(name).join("scene.xml");
-    let mut text = std::fs::read_to_string(&path).unwrap();
+    let mut text = std::fs::read_to_string(&path)
+        .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     for (from, to) in changes {
         assert!(text.contains(from), "{name} has no {from}");
         text = text.replace(from, to);
