@@ -19,3 +19,4 @@ mod scatterer16;
 mod slits;
 mod thindielectric;
 mod through_plates;
+mod wave_scenes;

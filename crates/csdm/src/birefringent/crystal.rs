@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use num_complex::Complex64;
 use thiserror::Error;
 
+use super::uniaxial::Uniaxial;
 use crate::layered::is_index;
 
 /// Why numbers describe no crystal, or no direction of incidence.
@@ -89,6 +90,8 @@ pub struct Crystal {
     axes: Matrix3<f64>,
     smallest_index: f64,
     lossless: bool,
+    /// Where it is lossless, inactive, and two of its indices are equal.
+    uniaxial: Option<Uniaxial>,
 }
 
 impl Crystal {
@@ -165,6 +168,7 @@ impl Crystal {
             axes,
             smallest_index: indices.iter().fold(f64::INFINITY, |m, n| m.min(n.norm())),
             lossless: indices.iter().all(|n| (n * n).im == 0.0),
+            uniaxial: uniaxial_part(indices, &axes),
         })
     }
 
@@ -195,6 +199,7 @@ impl Crystal {
         let coupling = Matrix3::identity() * gyration.trace() - gyration * 2.0;
         let coupling = self.axes * coupling * self.axes.transpose();
         self.coupling = (coupling + coupling.transpose()) * 0.5;
+        self.uniaxial = None;
         Ok(self)
     }
 
@@ -209,7 +214,11 @@ impl Crystal {
             permittivity: (permittivity + permittivity.transpose()).scale(0.5),
             coupling: (coupling + coupling.transpose()) * 0.5,
             axes: turn * self.axes,
-            ..self.clone()
+            uniaxial: self.uniaxial.map(|part| Uniaxial {
+                axis: turn * part.axis,
+                ..part
+            }),
+            ..*self
         }
     }
 
@@ -229,12 +238,32 @@ impl Crystal {
         self.lossless
     }
 
+    /// Its axis and permittivities, where it is lossless, inactive and uniaxial.
+    pub(super) fn uniaxial_part(&self) -> Option<&Uniaxial> {
+        self.uniaxial.as_ref()
+    }
+
     /// The crystal with its second axis called the third: `(1, 2, 3) → (3, 1, 2)`.
     fn reordered(mut self) -> Self {
         let old = self.axes;
         self.axes = Matrix3::from_columns(&[old.column(2), old.column(0), old.column(1)]);
         self
     }
+}
+
+/// Which principal axis differs from the two others, if it is the only one and no index is complex.
+fn uniaxial_part(indices: [Complex64; 3], axes: &Matrix3<f64>) -> Option<Uniaxial> {
+    if indices.iter().any(|n| n.im != 0.0) {
+        return None;
+    }
+    let n = indices.map(|n| n.re);
+    let odd = (0..3).find(|&i| n[(i + 1) % 3] == n[(i + 2) % 3])?;
+    let ordinary = n[(odd + 1) % 3];
+    Some(Uniaxial {
+        ordinary: ordinary * ordinary,
+        extraordinary: n[odd] * n[odd],
+        axis: axes.column(odd).into_owned(),
+    })
 }
 
 /// The orthonormal right-handed frame whose first axis is along `first`, the second toward `second`.

@@ -27,16 +27,43 @@ impl Scattering<Complex64, 2> {
             &(t * before.a_forward),
             &(r_back * behind.b_backward - behind.a_backward),
         );
-        let Some(s) = leaving.lu().solve(&coming) else {
-            let mirror = -Matrix2::identity();
-            return Self {
-                reflection: mirror,
-                back_reflection: mirror,
-                transmission: Matrix2::zeros(),
-                back_transmission: Matrix2::zeros(),
-            };
-        };
-        Self::from_blocks(&s)
+        leaving
+            .lu()
+            .solve(&coming)
+            .map_or_else(Self::mirror, |s| Self::from_blocks(&s))
+    }
+
+    /// A single face between two media: as [`Scattering::between`] of nothing, in 2×2 matrices.
+    pub(super) fn face(before: &HalfSpace, behind: &HalfSpace) -> Self {
+        Self::solved_face(before, behind).unwrap_or_else(Self::mirror)
+    }
+
+    /// With waves x forward and y backward before, z forward and w backward behind, all as in
+    /// [`HalfSpace::as_graphs`]: `x + B y = z + B' w`, `F x + y = F' z + w`.
+    fn solved_face(before: &HalfSpace, behind: &HalfSpace) -> Option<Self> {
+        let (near, far) = (before.as_graphs()?, behind.as_graphs()?);
+        let one = Matrix2::identity();
+        let inverse = (one - near.a_backward * far.b_forward).try_inverse()?;
+        let z_x = inverse * (one - near.a_backward * near.b_forward);
+        let z_w = inverse * (near.a_backward - far.a_backward);
+        let to_y = before.b_backward.try_inverse()?;
+        let to_z = behind.a_forward.try_inverse()?;
+        Some(Self {
+            reflection: to_y * (far.b_forward * z_x - near.b_forward) * before.a_forward,
+            transmission: to_z * z_x * before.a_forward,
+            back_reflection: to_z * z_w * behind.b_backward,
+            back_transmission: to_y * (far.b_forward * z_w + one) * behind.b_backward,
+        })
+    }
+
+    fn mirror() -> Self {
+        let mirror = -Matrix2::identity();
+        Self {
+            reflection: mirror,
+            back_reflection: mirror,
+            transmission: Matrix2::zeros(),
+            back_transmission: Matrix2::zeros(),
+        }
     }
 
     /// This, then `next`, without reflections between them.

@@ -8,8 +8,8 @@
 //! M_ba + M_bb R − R M_aa − R M_ab R = 0,          a' = −i k₀ A a,   A = M_aa + M_ab R
 //! ```
 //!
-//! and is found by Newton's method from the reflection of a very thick and slightly lossy layer, which picks the right
-//! one of the solutions. Single eigenvectors are never needed: equal indices (isotropic matter, light along an optic
+//! and is found by Newton's method from the reflection of a similar isotropic medium or, where that does not lead to it,
+//! of a very thick and slightly lossy layer, which picks the right one of the solutions. Single eigenvectors are never needed: equal indices (isotropic matter, light along an optic
 //! axis, where eigenvectors are arbitrary) and singular axes of absorbing crystals (where there is one eigenvector
 //! for two waves) are no special cases. Accuracy is lost only where a forward wave meets a backward one, at the
 //! critical angle inside the medium: error `√f64::EPSILON` there.
@@ -63,14 +63,59 @@ impl HalfSpace {
     }
 }
 
+impl HalfSpace {
+    /// The waves of the isotropic medium that the crystal most resembles, as `a_forward = b_backward = 1`.
+    fn near(crystal: &Crystal, xi: f64) -> Self {
+        let square = crystal.permittivity().trace() / 3.0;
+        let (n, w) = (square.sqrt(), (square - xi * xi).sqrt());
+        Self::isotropic(n, w).as_graphs().unwrap_or_else(|| {
+            let (zero, one) = (Matrix2::zeros(), Matrix2::identity());
+            Self {
+                a_forward: one,
+                b_forward: zero,
+                a_backward: zero,
+                b_backward: one,
+            }
+        })
+    }
+
+    /// The same waves in other sums: `a_forward = b_backward = 1`.
+    pub(super) fn as_graphs(&self) -> Option<Self> {
+        let one = Matrix2::identity();
+        Some(Self {
+            a_forward: one,
+            b_forward: self.b_forward * self.a_forward.try_inverse()?,
+            a_backward: self.a_backward * self.b_backward.try_inverse()?,
+            b_backward: one,
+        })
+    }
+}
+
 impl Directions {
     /// The forward and backward waves of a crystal at tangential index ξ.
     pub(super) fn new(crystal: &Crystal, xi: f64, azimuth: f64) -> Self {
-        const LOSS: f64 = 1e-3;
-        let start = very_thick(&Generator::with_loss(crystal, xi, azimuth, LOSS));
-        let Generator { aa, ab, ba, bb, .. } = Generator::new(crystal, xi, azimuth);
-        let forward = invariant_graph(start.reflection, &aa, &ab, &ba, &bb);
-        let backward = invariant_graph(start.back_reflection, &bb, &ba, &ab, &aa);
+        Self::of_uniaxial(crystal, xi, azimuth)
+            .unwrap_or_else(|| Self::of_any(crystal, xi, azimuth))
+    }
+
+    /// The same for any crystal.
+    pub(super) fn of_any(crystal: &Crystal, xi: f64, azimuth: f64) -> Self {
+        let generator = Generator::new(crystal, xi, azimuth);
+        let Generator { aa, ab, ba, bb, .. } = generator;
+        let near = HalfSpace::near(crystal, xi);
+        let forward = graph_near(near.b_forward, &aa, &ab, &ba, &bb);
+        let backward = graph_near(near.a_backward, &bb, &ba, &ab, &aa);
+        let (forward, backward) = match (forward, backward) {
+            (Some(forward), Some(backward)) => (forward, backward),
+            _ => {
+                const LOSS: f64 = 1e-3;
+                let start = very_thick(&Generator::with_loss(crystal, xi, azimuth, LOSS));
+                (
+                    invariant_graph(start.reflection, &aa, &ab, &ba, &bb),
+                    invariant_graph(start.back_reflection, &bb, &ba, &ab, &aa),
+                )
+            }
+        };
         let one = Matrix2::identity();
         Self {
             waves: HalfSpace {
@@ -104,6 +149,46 @@ fn very_thick(generator: &Generator) -> Scattering<Complex64, 2> {
         }
     }
     layer
+}
+
+/// R of the module page by Newton's method from the R of a similar medium, where it finds one with |R| < 1.
+///
+/// All waves of such an R carry power forward, in passive matter more than they do further on: it is the right one.
+/// Evanescent waves carry none.
+fn graph_near(
+    start: Matrix2<Complex64>,
+    aa: &Matrix2<Complex64>,
+    ab: &Matrix2<Complex64>,
+    ba: &Matrix2<Complex64>,
+    bb: &Matrix2<Complex64>,
+) -> Option<Matrix2<Complex64>> {
+    const LEAST_FLUX: f64 = 1e-3;
+    let one = Matrix2::identity();
+    let mut r = start;
+    let mut last = 1.0;
+    for _ in 0..12 {
+        let (left, right) = (bb - r * ab, aa + ab * r);
+        let c = r * right - ba - bb * r;
+        // left X − X right = C, by the characteristic polynomial of `right`
+        let (trace, determinant) = (right.trace(), right.determinant());
+        let polynomial = left * (left - one * trace) + one * determinant;
+        let step = polynomial.try_inverse()? * (left * c + c * right - c * trace);
+        let size = step.norm();
+        if !size.is_finite() {
+            return None;
+        }
+        r += step;
+        // quadratic, then as small as rounding allows
+        if size < 1e-9 && size >= 0.1 * last || size < 1e-15 {
+            let flux = one - r.adjoint() * r;
+            let sound = flux[(0, 0)].re > LEAST_FLUX
+                && flux[(1, 1)].re > LEAST_FLUX
+                && flux.determinant().re > LEAST_FLUX * LEAST_FLUX;
+            return sound.then_some(r);
+        }
+        last = size;
+    }
+    None
 }
 
 /// R of the module page by Newton's method from `start`.

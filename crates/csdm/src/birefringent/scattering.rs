@@ -43,6 +43,16 @@ impl<T: ComplexField, const N: usize> Scattering<T, N> {
             back_transmission: &self.back_transmission * backward,
         }
     }
+
+    /// This in front of `next`, which reflects nothing.
+    pub(super) fn before_clear(&self, next: &Self) -> Self {
+        Self {
+            reflection: self.reflection.clone(),
+            transmission: &next.transmission * &self.transmission,
+            back_reflection: &next.transmission * &self.back_reflection * &next.back_transmission,
+            back_transmission: &self.back_transmission * &next.back_transmission,
+        }
+    }
 }
 
 impl Scattering<Complex64, 2> {

@@ -178,6 +178,9 @@ impl CrystalStack {
     /// media of equal index without layers the error grows as `f64::EPSILON/cos_i` toward grazing incidence.
     #[must_use]
     pub fn coherent(&self, incidence: &Incidence, wavelength: Wavelength) -> PlateJones {
+        if let Some(all) = self.coherent_by_waves(incidence, wavelength) {
+            return self.jones(&all, incidence);
+        }
         let layers = self
             .layers
             .iter()
@@ -188,6 +191,31 @@ impl CrystalStack {
         self.jones(&layers.between(&before, &behind), incidence)
     }
 
+    /// The same face by face, where the waves of all layers have a closed form and the layers are thin: rounding adds
+    /// power in proportion to the thickness.
+    fn coherent_by_waves(
+        &self,
+        incidence: &Incidence,
+        wavelength: Wavelength,
+    ) -> Option<Scattering<Complex64, 2>> {
+        const DEEPEST: f64 = 100.0;
+        let [mut last, behind] = self.half_spaces(incidence);
+        let xi = incidence.tangential_index(self.incident);
+        let mut all = Scattering::transparent();
+        for layer in &self.layers {
+            let directions = Directions::of_uniaxial(&layer.crystal, xi, incidence.azimuth)?;
+            let depth = layered::optical_depth(layer.thickness, wavelength);
+            if depth > DEEPEST {
+                return None;
+            }
+            all = all
+                .then(&Scattering::face(&last, &directions.waves))
+                .before_clear(&directions.propagation(depth));
+            last = directions.waves;
+        }
+        Some(all.then(&Scattering::face(&last, &behind)))
+    }
+
     /// Jones matrices of the direct light: transmitted by every face, reflected by none, and the reflection of the face
     /// that is met first.
     ///
@@ -196,12 +224,11 @@ impl CrystalStack {
     pub fn single_pass(&self, incidence: &Incidence, wavelength: Wavelength) -> PlateJones {
         let [before, behind] = self.half_spaces(incidence);
         let xi = incidence.tangential_index(self.incident);
-        let empty = Scattering::transparent();
-        let (mut direct, mut last) = (empty, before);
+        let (mut direct, mut last) = (Scattering::transparent(), before);
         let mut first_reflection = None;
         for layer in &self.layers {
             let directions = Directions::new(&layer.crystal, xi, incidence.azimuth);
-            let face = empty.between(&last, &directions.waves);
+            let face = Scattering::face(&last, &directions.waves);
             first_reflection.get_or_insert(face.reflection);
             let depth = layered::optical_depth(layer.thickness, wavelength);
             direct = direct
@@ -209,7 +236,7 @@ impl CrystalStack {
                 .passing(&directions.propagation(depth));
             last = directions.waves;
         }
-        let face = empty.between(&last, &behind);
+        let face = Scattering::face(&last, &behind);
         let mut all = direct.passing(&face);
         all.reflection = first_reflection.unwrap_or(face.reflection);
         all.back_reflection = face.back_reflection;
@@ -252,21 +279,29 @@ impl CrystalStack {
         }
         let [mut last, behind] = self.half_spaces(incidence);
         let xi = incidence.tangential_index(self.incident);
-        let mut sum = Scattering::<f64, 4>::transparent();
-        let mut coating = Scattering::transparent();
+        let mut sum: Option<Scattering<f64, 4>> = None;
+        let mut coating: Option<Scattering<Complex64, 2>> = None;
+        let after = |sum: Option<Scattering<f64, 4>>, face: Scattering<Complex64, 2>| match sum {
+            Some(sum) => sum.then(&face.mueller()),
+            None => face.mueller(),
+        };
+        let face = |coating: Option<Scattering<Complex64, 2>>, last: &_, next: &_| match coating {
+            Some(coating) => coating.between(last, next),
+            None => Scattering::face(last, next),
+        };
         for layer in &self.layers {
             if layer.thickness <= coherent_below {
-                coating = coating.then(&self.layer(layer, incidence, wavelength));
+                let layer = self.layer(layer, incidence, wavelength);
+                coating = Some(coating.map_or(layer, |coating| coating.then(&layer)));
                 continue;
             }
             let directions = Directions::new(&layer.crystal, xi, incidence.azimuth);
             let depth = layered::optical_depth(layer.thickness, wavelength);
-            sum = sum
-                .then(&coating.between(&last, &directions.waves).mueller())
-                .then(&directions.propagation(depth).mueller());
-            (last, coating) = (directions.waves, Scattering::transparent());
+            let entered = after(sum, face(coating.take(), &last, &directions.waves));
+            sum = Some(entered.before_clear(&directions.propagation(depth).mueller()));
+            last = directions.waves;
         }
-        sum = sum.then(&coating.between(&last, &behind).mueller());
+        let sum = after(sum, face(coating, &last, &behind));
         let (grazing, w) = self.normal_indices(incidence);
         let side = |reflection, transmission: Matrix4<f64>, weight: f64| MuellerSide {
             reflection: Mueller::from(reflection),

@@ -1,6 +1,7 @@
 //! Tests of crystal plates: closed forms, an independent calculation, laws.
 
 mod cells;
+mod fast;
 mod incoherent;
 mod laws;
 mod plates;

@@ -182,7 +182,11 @@ impl Layered {
         }
     }
 
-    /// Share of unpolarized light that is reflected, of all that is not absorbed.
+    /// How often to look for what the films reflect.
+    ///
+    /// Before glass and such, the share of unpolarized light that is reflected, of all that is not absorbed. Free
+    /// films reflect a few percent, and are made to be looked at: the share of the square roots, which is best where one
+    /// of the two sides is dark and nobody knows which.
     fn reflected_share(&self, at: &Vertex, wavelengths: &[f32]) -> f32 {
         let (mut reflected, mut passed) = (0.0, 0.0);
         for &wavelength in wavelengths {
@@ -191,6 +195,9 @@ impl Layered {
                 reflected += a.reflectance().iter().sum::<f64>();
                 passed += a.transmittance().iter().sum::<f64>();
             }
+        }
+        if matches!(self.substrate, Substrate::Free) {
+            (reflected, passed) = (reflected.sqrt(), passed.sqrt());
         }
         let share = (reflected / (reflected + passed)) as f32;
         if share.is_finite() {

@@ -150,6 +150,52 @@ fn a_thick_twisted_cell_guides_linear_light() {
 }
 
 #[test]
+fn axes_twist_from_u_toward_v_on_the_way_to_the_front() {
+    let cell = plate(
+        "<float name='no' value='1.5'/><float name='ne' value='1.7'/><float name='twist' value='45'/>\
+         <string name='thickness' value='60um'/><string name='reflections' value='single'/>\
+         <float name='ext_ior' value='1.6'/>",
+    );
+    // light along U enters at the back
+    let m = matrix(
+        &cell,
+        (Vec3A::Z, Vec3A::X),
+        (-Vec3A::Z, Vec3A::X),
+        Part::Straight,
+        550.0,
+    );
+    let diagonal = m[(2, 0)] + m[(2, 1)];
+    assert!((diagonal - 1.0).abs() < 0.05, "{diagonal}");
+}
+
+#[test]
+fn oblique_light_across_the_axis_is_ordinary() {
+    // nearly immersed: directions and faces change by a hundredth
+    let axis = Vec3A::new(0.3, 0.8, 0.5).normalize();
+    let crystal = plate(
+        "<float name='no' value='1.545'/><float name='ne' value='1.555'/><float name='ext_ior' value='1.55'/>\
+         <vector name='axis' value='0.3 0.8 0.5'/><string name='thickness' value='20um'/>\
+         <string name='reflections' value='single'/>",
+    );
+    for (degrees, azimuth) in [(30.0, 0.9), (50.0, -2.0), (140.0, 2.2)] {
+        let o = direction(degrees, azimuth);
+        let ordinary = o.cross(axis).normalize();
+        let m = matrix(
+            &crystal,
+            (o, ordinary),
+            (-o, ordinary),
+            Part::Straight,
+            550.0,
+        );
+        let mixed = m
+            .fixed_view::<2, 2>(0, 2)
+            .amax()
+            .max(m.fixed_view::<2, 2>(2, 0).amax());
+        assert!(mixed < 0.03 && m[(1, 1)] > 0.97, "{degrees}: {m}");
+    }
+}
+
+#[test]
 fn ways_are_drawn_with_their_probability() {
     let matter = plate(CALCITE);
     for degrees in [5.0, 80.0, 150.0] {
