@@ -118,6 +118,7 @@ impl Matter for Lobe {
             straight: self.straight > 0.0,
             coherent: true,
             disperses: false,
+            ..Traits::default()
         }
     }
 }

@@ -447,6 +447,7 @@ impl Matter for Scatterer16 {
                     .orders
                     .iter()
                     .any(|order| !order.is_mirror_or_straight()),
+            ..Traits::default()
         }
     }
 
