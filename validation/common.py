@@ -41,7 +41,16 @@ def binary() -> str:
 
 def render(scene: Path, out: Path, *options: str, program: str | None = None) -> dict[str, Any]:
     """Render `scene` to `out`, with `program` or `binary()`, and return what `--json` reports."""
-    command = [program or binary(), "render", str(scene), "-o", str(out), "--quiet", "--json", *options]
+    command = [
+        program or binary(),
+        "render",
+        str(scene),
+        "-o",
+        str(out),
+        "--quiet",
+        "--json",
+        *options,
+    ]
     run = subprocess.run(command, text=True, stdout=subprocess.PIPE)
     if run.returncode != 0:
         give_up(f"failed with status {run.returncode}: {' '.join(command)}")
