@@ -124,7 +124,8 @@ impl Rendering {
         self.for_each_pixel(|x, y, pixel| {
             let start = (y as usize * width as usize + x as usize) * stride;
             for k in 0..stride {
-                let (mean, variance) = pixel.estimate(k, self.samples);
+                let (component, colour) = (k / self.colours, k % self.colours);
+                let (mean, variance) = pixel.estimate(component, colour, self.samples);
                 means[start + k] = mean as f32;
                 variances[start + k] = variance as f32;
             }
@@ -173,8 +174,7 @@ impl Rendering {
         self.for_each_pixel(|_, _, pixel| {
             for (component, sum) in variances.iter_mut().enumerate().take(self.components()) {
                 for colour in 0..self.colours {
-                    let (value, variance) =
-                        pixel.estimate(component * self.colours + colour, self.samples);
+                    let (value, variance) = pixel.estimate(component, colour, self.samples);
                     *sum += variance;
                     if component == 0 {
                         mean += value;

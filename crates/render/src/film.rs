@@ -213,10 +213,9 @@ impl TileSums {
 }
 
 impl PixelSums<'_> {
-    /// Mean and variance of the mean after `count` samples; `index` counts through `[component][colour]`.
-    pub fn estimate(&self, index: usize, count: u64) -> (f64, f64) {
+    /// Mean and variance of the mean of a component in one colour after `count` samples.
+    pub fn estimate(&self, component: usize, colour: usize, count: u64) -> (f64, f64) {
         let n = count as f64;
-        let (component, colour) = (index / self.sums.len(), index % self.sums.len());
         let mean = self.sums[colour][component] / n;
         let square = self.sums[colour][4 + component] / n;
         let variance = if count > 1 {
@@ -338,7 +337,7 @@ mod tests {
         assert_eq!(pixel.variance_of(&weights, 0, 3), Some(0.0));
         // one component alone: the variance that the image has
         let alone = pixel.variance_of(&[0.0, 1.0, 0.0, 0.0], 1, 3).unwrap();
-        assert!((alone - pixel.estimate(3, 3).1).abs() < 1e-15);
+        assert!((alone - pixel.estimate(1, 1, 3).1).abs() < 1e-15);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use super::witness::Witness;
 use super::{PathOptions, Walk, power_heuristic};
 use crate::coherence::Coherence;
 use crate::emitter::patch::{Cut, Patch};
-use crate::emitter::{Emitter, Target};
+use crate::emitter::{Connection, Emitter, Target};
 use crate::geometry::frame::Frame;
 use crate::geometry::ray::offset_origin;
 use crate::light::{Emission, Light};
@@ -98,10 +98,31 @@ impl<L: Light, W: Witness> Walk<'_, L, W> {
         else {
             return;
         };
-        let (response, own) = self.respond(place, connection.direction, &connection.coherence);
+        let Connection {
+            direction,
+            target,
+            coherence,
+            ..
+        } = connection;
+        let frame = place.vertex.frame;
+        let (response, own) = place.material.respond::<L>(
+            place.vertex,
+            frame.to_local(direction),
+            Part::Continuous,
+            self.wavelengths,
+            &coherence,
+        );
         // a density of zero: matter sends nothing that way
         if own <= 0.0 {
             return;
+        }
+        let straight = self.scene.traits().straight;
+        if !straight {
+            self.counters.rays += 1;
+            let ray = Scene::shadow_ray(place.surface, direction, target.as_ref());
+            if !self.scene.is_free(&ray, self.stack) {
+                return;
+            }
         }
         let density = connection.density * chosen;
         let share = if connection.discrete {
@@ -109,21 +130,24 @@ impl<L: Light, W: Witness> Walk<'_, L, W> {
         } else {
             power_heuristic(density, own)
         };
-        let source = connection.target.map_or(Vec3A::ZERO, |t| t.position);
-        let arrival = Arrival {
-            response,
-            emission: emitter.emit(-connection.direction, source, self.wavelengths),
-            direction: connection.direction,
-            coherence: connection.coherence,
-            weight: share * connection.weight / density,
-        };
-        self.add(
-            throughput,
-            place,
-            &arrival,
-            connection.direction,
-            connection.target,
-        );
+        let weight = share * connection.weight / density;
+        let response = L::map_axes(response, |v| frame.to_world(v));
+        let source = target.map_or(Vec3A::ZERO, |t| t.position);
+        let emission = emitter.emit(-direction, source, self.wavelengths);
+        if straight {
+            let arrival = Arrival {
+                response,
+                emission,
+                direction,
+                coherence,
+                weight,
+            };
+            self.add_through(throughput, place, &arrival, direction, target.as_ref());
+        } else {
+            let o = frame.to_world(place.vertex.o);
+            let light = L::collect_through(throughput, response, o, &emission, -direction);
+            self.add_light(light, weight, Some((direction, coherence)));
+        }
     }
 
     /// Adds the light of the patches of an emitter.
