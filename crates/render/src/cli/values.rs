@@ -232,9 +232,9 @@ mod tests {
     #[test]
     fn separations_are_read_in_their_units() {
         let separation = |text: &str| text.parse::<Separation>().map(|s| s.0);
-        assert_eq!(separation("10um"), Ok([10.0 * 1e-6, 0.0]));
-        assert_eq!(separation("1 mm, -5 µm"), Ok([1e-3, -5.0 * 1e-6]));
-        assert_eq!(separation("0,2cm"), Ok([0.0, 2.0 * 1e-2]));
+        assert_eq!(separation("10um"), Ok([1e-5, 0.0]));
+        assert_eq!(separation("1 mm, -5 µm"), Ok([1e-3, -5e-6]));
+        assert_eq!(separation("0,2cm"), Ok([0.0, 0.02]));
         assert_eq!(separation("1nm"), Ok([1e-9, 0.0]));
         for text in [
             "",

@@ -385,26 +385,6 @@ mod tests {
     }
 
     #[test]
-    fn lengths_have_units_or_are_metres() {
-        let object = bsdf(
-            "<string name='a' value='550nm'/><string name='b' value='1.6 µm'/><float name='c' value='2e-6'/>\
-             <string name='d' value='3 furlongs'/>",
-        );
-        let length = |name| object.micro_length(name, None).unwrap().unwrap();
-        assert!((length("a") - 550e-9).abs() < 1e-21 && (length("b") - 1.6e-6).abs() < 1e-20);
-        assert_eq!(length("c"), 2e-6);
-        assert_eq!(object.micro_length("e", Some(1.0)), Ok(Some(1.0)));
-        let message = object.micro_length("d", None).unwrap_err().to_string();
-        assert!(
-            message.ends_with(
-                "parameter 'd' of bsdf 'roughconductor' is a string ('3 furlongs'), \
-                 expected a length in metres or with a unit, such as '550nm' or '1.6um'"
-            ),
-            "{message}"
-        );
-    }
-
-    #[test]
     fn a_missing_file_is_refused_at_the_parameter() {
         let object = bsdf("<string name='filename' value='none.obj'/>");
         let message = object.path("filename").unwrap_err().to_string();

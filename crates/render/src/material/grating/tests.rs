@@ -480,7 +480,7 @@ fn bad_gratings_are_refused_in_words_and_doubtful_ones_noticed() {
     for (more, expected) in [
         (
             &[("pitch", "3"), ("depth", "1nm")][..],
-            "is a string ('3'), expected a length in metres",
+            "length 'pitch' of bsdf 'grating' is '3', expected a number and a unit",
         ),
         (
             &[("depth", "1nm")],
