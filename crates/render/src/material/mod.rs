@@ -215,7 +215,7 @@ macro_rules! ask {
 pub trait Matter {
     /// Draws a direction toward the light for light that leaves along `at.o`, from three uniform numbers.
     ///
-    /// If directions depend on the wavelength ([`Matter::disperses`]) `wavelengths` has one element.
+    /// If directions depend on the wavelength ([`Traits::disperses`]) `wavelengths` has one element.
     fn sample(&self, at: &Vertex, wavelengths: &[f32], u: [f32; 3]) -> Option<Departure>;
 
     /// The Mueller matrix from `−i` to `at.o`, with the density of [`Matter::sample`] (0 for discrete directions).

@@ -2,7 +2,7 @@
 //!
 //! Matter that answers to coherence is evaluated late. Its direction toward the light is drawn first; only when the
 //! light's origin is known, and with it the coherence, its matrix is multiplied into the throughput. Until then the
-//! specular matter on the way is kept apart ([`Way`]).
+//! specular matter on the way is kept apart (`way.rs`).
 //!
 //! Emitters are cut into patches for such a vertex. Connections average its transfer over a patch; if the patches are
 //! few all of them are summed and only visibility is left to chance. Rays that hit a patch use the same average, and
