@@ -15,18 +15,18 @@ use crate::filter::FilterSampler;
 use crate::geometry::bvh::Stack;
 use crate::light::{Intensity, Light, Polarized};
 use crate::path::witness::{CoherenceSums, Listener, View};
-use crate::path::{CameraSample, Counters, PathOptions, trace};
+use crate::path::{CameraSample, Counters, PathOptions, Start, trace};
 use crate::sampler::SampleStream;
 use crate::scene::{BuiltScene, Scene};
-use crate::sensor::perspective::Perspective;
+use crate::sensor::Camera;
 
 /// Everything that a rendering needs, from the scene file and the command line.
 #[derive(Debug)]
 pub struct Job {
     /// Geometry, matter, light.
     pub scene: Scene,
-    /// The camera.
-    pub camera: Perspective,
+    /// The sensor.
+    pub camera: Camera,
     /// The film.
     pub film: FilmGeometry,
     /// The paths.
@@ -362,11 +362,12 @@ impl<'a, L: Light> Worker<'a, L> {
         let end = [0, 1].map(|axis| film.crop_offset[axis] + film.crop_size[axis]);
         let film_x = self.filter.position(column, u, film.crop_offset[0], end[0]);
         let film_y = self.filter.position(row, v, film.crop_offset[1], end[1]);
-        let (ray, axis) = job.camera.ray(film_x, film_y);
+        let start = job.camera.start(film_x, film_y);
         let [u, _] = stream.pair(2);
         let mut ear = job.coherence.map(|separation| Ear {
             job,
             view: job.camera.view(column, row),
+            start: job.camera.start(column as f32 + 0.5, row as f32 + 0.5),
             separation,
             stream: SampleStream::new(!job.seed, pixel, sample),
             sums: CoherenceSums::default(),
@@ -377,8 +378,7 @@ impl<'a, L: Light> Worker<'a, L> {
                 ear.listen::<L>(wavelengths, weight, stack, &mut self.counters);
             }
             let camera = CameraSample {
-                ray,
-                axis,
+                start,
                 wavelengths,
                 stream,
             };
@@ -442,6 +442,7 @@ fn luminance(wavelength: f32) -> f32 {
 struct Ear<'a> {
     job: &'a Job,
     view: View,
+    start: Start<'a>,
     separation: [f64; 2],
     stream: SampleStream,
     sums: CoherenceSums,
@@ -463,8 +464,7 @@ impl Ear<'_> {
         });
         let mut listener = Listener::new(&self.view, &lanes, self.separation);
         let camera = CameraSample {
-            ray: self.view.ray,
-            axis: self.view.right,
+            start: self.start,
             wavelengths,
             stream: self.stream,
         };

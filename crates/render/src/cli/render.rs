@@ -345,11 +345,18 @@ fn metadata(
         ("seed", job.seed.to_string()),
         ("samples", rendering.samples.to_string()),
         ("wavelengths", wavelengths),
-        ("frame", "per sample: x = normalize(viewing direction x camera up), image right; y image up; seen from the sensor".to_owned()),
-        ("handedness", "S3 > 0: clockwise for an observer who faces the source (right-handed)".to_owned()),
+        ("sensor", job.camera.describe().to_owned()),
+        ("frame", job.camera.frame().to_owned()),
+        (
+            "handedness",
+            "S3 > 0: clockwise for an observer who faces the source (right-handed)".to_owned(),
+        ),
         ("version", format!("brewster {}", env!("CARGO_PKG_VERSION"))),
         ("time", format!("{since_epoch} s since 1970-01-01 UTC")),
-        ("renderSeconds", format!("{:.3}", rendering.wall.as_secs_f64())),
+        (
+            "renderSeconds",
+            format!("{:.3}", rendering.wall.as_secs_f64()),
+        ),
     ]
     .into_iter()
     .chain(coherence)

@@ -9,12 +9,13 @@
 //! the weights of both are constant on a patch, so that the expected image does not depend on the cut.
 //!
 //! `connect.rs` looks for light from a vertex, `hit.rs` takes what a ray has met, `way.rs` follows specular matter, `witness.rs`
-//! asks where the light came from.
+//! asks where the light came from, `plane.rs` begins paths on a bare sensor plane.
 
 mod connect;
 mod hit;
 #[cfg(test)]
 mod patch_tests;
+mod plane;
 mod way;
 pub mod witness;
 
@@ -28,6 +29,7 @@ use crate::light::Light;
 use crate::material::{Departure, Material, Matter, Part, Vertex};
 use crate::sampler::SampleStream;
 use crate::scene::{Encounter, Scene};
+pub use plane::{PlanePoint, Start};
 use way::Way;
 use witness::Witness;
 
@@ -91,10 +93,8 @@ const PER_VERTEX: u32 = 8;
 /// A camera sample: where it looks and the wavelengths that it carries.
 #[derive(Clone, Copy, Debug)]
 pub struct CameraSample<'a> {
-    /// The ray.
-    pub ray: Ray,
-    /// First axis of its Stokes frame.
-    pub axis: Vec3A,
+    /// Where its path begins.
+    pub start: Start<'a>,
     /// Wavelengths in nm, one a lane.
     pub wavelengths: &'a [f32],
     /// Its random numbers.
@@ -115,7 +115,7 @@ struct Walk<'a, L: Light, W: Witness> {
     seen: L::Stokes,
 }
 
-/// The Stokes vector that one camera sample sees, in the frame of its ray; `witness` hears of every contribution.
+/// The Stokes vector that one camera sample sees, in the frame of its start; `witness` hears of every contribution.
 pub fn trace<L: Light, W: Witness>(
     scene: &Scene,
     options: &PathOptions,
@@ -133,21 +133,32 @@ pub fn trace<L: Light, W: Witness>(
         stack,
         counters,
         witness,
-        way: Way::new(sample.ray.direction),
+        way: Way::new(Vec3A::Z),
         seen: L::dark(),
     };
-    walk.run(sample.ray, sample.axis);
-    walk.seen
+    let (ray, throughput, origin) = match &sample.start {
+        Start::Ray { ray, axis } => {
+            walk.way.begin(ray.direction);
+            (*ray, L::identity(*axis), None)
+        }
+        Start::Plane(point) => match walk.leave_plane(point) {
+            Some((ray, throughput, origin)) => (ray, throughput, Some(origin)),
+            None => return walk.seen_in(point.scale),
+        },
+    };
+    walk.run(ray, throughput, origin);
+    match &sample.start {
+        Start::Ray { .. } => walk.seen,
+        Start::Plane(point) => walk.seen_in(point.scale),
+    }
 }
 
 impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
-    fn run(&mut self, mut ray: Ray, axis: Vec3A) {
+    fn run(&mut self, mut ray: Ray, mut throughput: L::Throughput, mut origin: Option<Origin>) {
         let (scene, options) = (self.scene, self.options);
-        let mut throughput = L::identity(axis);
-        let mut origin: Option<Origin> = None;
         let mut waiting: Option<Waiting<'a>> = None;
         // the camera's own rays, until they meet anything
-        let mut first = true;
+        let mut first = origin.is_none();
         // ratio of the indices along the path: roulette looks at power, not at radiance
         let mut eta = 1.0f32;
 
