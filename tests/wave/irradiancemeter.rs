@@ -303,21 +303,27 @@ fn young(lamp_width: f64, spp: u64) -> StokesImage {
     Shot::new(spp).of_text(&text)
 }
 
-/// Irradiance at x for visibility V: `(L Ω/λ²) 2 (ab)² sinc² (1 + V cos kdx/r) cos²/r²`.
+/// What is left of a fringe in a pixel: six of them lie on the columns.
+const PIXEL: f64 = 6.0 / COLUMNS as f64;
+
+/// sinc² of one slit, for light that turns by `sine`.
+fn envelope(sine: f64) -> f64 {
+    sinc(PI * sine * SLIT / LAMBDA).powi(2)
+}
+
+/// Irradiance at x: `(L/λ²) (ab)² cos²/r² ∫ 2 sinc² (1 + cos kdθ) dΩ` over the lamp, θ from each of its points.
 fn fringes(lamp_width: f64, x: f64) -> f64 {
     let r2 = x * x + DISTANCE * DISTANCE;
-    let sine = x / r2.sqrt();
-    let visibility = sinc(PI * lamp_width * SPACING / LAMBDA);
-    let envelope = sinc(PI * sine * SLIT / LAMBDA);
-    let one = (SLIT * SLIT * envelope / LAMBDA).powi(2);
     let cos2 = DISTANCE * DISTANCE / r2;
-    lamp_width
-        * 1e-4
-        * 2.0
-        * one
-        * (1.0 + visibility * (TAU / LAMBDA * SPACING * sine).cos())
-        * cos2
-        / r2
+    let n = 100;
+    let mean: f64 = (0..n)
+        .map(|k| {
+            let source = lamp_width * ((f64::from(k) + 0.5) / f64::from(n) - 0.5);
+            let sine = x / r2.sqrt() + source;
+            2.0 * envelope(sine) * (1.0 + (TAU / LAMBDA * SPACING * sine).cos()) / f64::from(n)
+        })
+        .sum();
+    lamp_width * 1e-4 * (SLIT * SLIT / LAMBDA).powi(2) * mean * cos2 / r2
 }
 
 #[test]
@@ -325,24 +331,20 @@ fn youngs_fringes_are_as_visible_as_van_cittert_and_zernike_say() {
     for ratio in [0.02, 0.5, 1.0, 1.4] {
         let lamp_width = ratio * LAMBDA / SPACING;
         let image = young(lamp_width, 400);
-        let pixel_width = 2.0 * HALF / COLUMNS as f64;
-        let means: Vec<f64> = (0..COLUMNS)
-            .map(|column| {
-                let n = 64;
-                (0..n)
-                    .map(|k| {
-                        let place = column as f64 + (f64::from(k) + 0.5) / f64::from(n);
-                        fringes(lamp_width, place * pixel_width - HALF) / f64::from(n)
-                    })
-                    .sum()
-            })
-            .collect();
-        let bright = fringes(lamp_width, 0.0).max(fringes(lamp_width, 0.5 * HALF / 3.0));
-        for (column, expected) in means.iter().enumerate() {
+        let width = 2.0 * HALF / COLUMNS as f64;
+        // about 1 + V cos: sums of s and s cos over whole fringes
+        let (mut even, mut beat, mut noise) = (0.0, 0.0, 0.0);
+        for column in 0..COLUMNS {
+            let n = 32;
+            let x = |place: f64| (column as f64 + place) * width - HALF;
+            let expected: f64 = (0..n)
+                .map(|k| fringes(lamp_width, x((f64::from(k) + 0.5) / f64::from(n))) / f64::from(n))
+                .sum();
             let (s, error) = pixel(&image, column, 0, 0);
-            // Gaussian patches 4e-4; γ constant over a slit, and the envelope over the source, (a α/λ)² below 1 %
+            // Gaussian patches, and γ constant over a slit: 1e-3 of what one slit sends
+            let one = lamp_width * 1e-4 * 2.0 * (SLIT * SLIT / LAMBDA / DISTANCE).powi(2);
             assert!(
-                (s[0] - expected).abs() < SIGMAS * error[0] + 0.01 * bright,
+                (s[0] - expected).abs() < SIGMAS * error[0] + 1e-3 * one,
                 "{ratio}, column {column}: {:e} ± {:e}, {expected:e}",
                 s[0],
                 error[0]
@@ -354,7 +356,19 @@ fn youngs_fringes_are_as_visible_as_van_cittert_and_zernike_say() {
                     "{ratio}, column {column}: {s:?}"
                 );
             }
+            let (sine, share) = (x(0.5) / DISTANCE, envelope(x(0.5) / DISTANCE).recip());
+            let cos = 2.0 * (TAU / LAMBDA * SPACING * sine).cos() / sinc(PI * PIXEL);
+            even += s[0] * share;
+            beat += s[0] * share * cos;
+            noise += (error[0] * share * cos).powi(2);
         }
+        let visibility = sinc(PI * ratio);
+        // the envelope's own change over the lamp, (α a/λ)²/6, and that of both over a pixel: below 0.01
+        assert!(
+            (beat / even - visibility).abs() < SIGMAS * noise.sqrt() / even + 0.01,
+            "{ratio}: {} {visibility}",
+            beat / even
+        );
     }
 }
 
