@@ -11,14 +11,14 @@ use render::output;
 use render::scene::read_text;
 
 /// Width of the film: each pixel is an estimate of its own, and their scatter tells the noise.
-const SIZE: usize = 8;
+pub(super) const SIZE: usize = 8;
 /// A diffuse plane around the origin.
 const PLANE: &str = "<shape type='rectangle'><bsdf type='diffuse'/></shape>";
 /// Looks at the origin from the front and above: image right is +x, image up on the plane +y.
 const FROM_FRONT: &str = "origin='0, -2, 2' target='0, 0, 0' up='0, 0, 1'";
 
 /// A lamp above the origin, facing down.
-fn lamp(shape: &str, scale: [f64; 2], turn: f64, x: f64, radiance: f64) -> String {
+pub(super) fn lamp(shape: &str, scale: [f64; 2], turn: f64, x: f64, radiance: f64) -> String {
     let [w, h] = scale;
     format!(
         "<shape type='{shape}'><transform name='to_world'>
@@ -42,12 +42,17 @@ fn rendered(shot: &Shot, scene: &str, separation: [f64; 2], threads: usize) -> R
 }
 
 /// A mean and its standard error.
-type Estimate = (f64, f64);
+pub(super) type Estimate = (f64, f64);
 
 /// What the pixels say: the spreads of kθ (xx, xy, yy) over k² at 550 nm, and the degree of coherence.
 fn measured(shot: &Shot, lookat: &str, content: &str, separation: [f64; 2]) -> [Estimate; 4] {
     let scene = film_scene(3, lookat, 0.01, [SIZE as u32; 2], content);
-    let rendering = rendered(shot, &scene, separation, 2);
+    measured_in(shot, &scene, separation)
+}
+
+/// The same of a scene with a film of `SIZE` × `SIZE` pixels.
+pub(super) fn measured_in(shot: &Shot, scene: &str, separation: [f64; 2]) -> [Estimate; 4] {
+    let rendering = rendered(shot, scene, separation, 2);
     let coherence = rendering.coherence().unwrap_or_default();
     assert_eq!(coherence.len(), SIZE * SIZE);
     let k = wavenumber(550e-9);
@@ -73,12 +78,12 @@ fn measured(shot: &Shot, lookat: &str, content: &str, separation: [f64; 2]) -> [
     })
 }
 
-fn wavenumber(wavelength: f64) -> f64 {
+pub(super) fn wavenumber(wavelength: f64) -> f64 {
     TAU / wavelength
 }
 
 /// Checks within the noise and what is left out: `relative` of the expected number.
-fn assert_near(what: &str, (found, error): Estimate, expected: f64, relative: f64) {
+pub(super) fn assert_near(what: &str, (found, error): Estimate, expected: f64, relative: f64) {
     assert!(
         (found - expected).abs() <= SIGMAS * error + relative * expected.abs(),
         "{what}: found {found:.6e} ± {error:.1e}, expected {expected:.6e}"
@@ -95,19 +100,19 @@ fn bessel_j1(x: f64) -> f64 {
     (0..STEPS).map(term).sum::<f64>() / STEPS as f64
 }
 
-fn besinc(u: f64) -> f64 {
+pub(super) fn besinc(u: f64) -> f64 {
     2.0 * bessel_j1(u) / u
 }
 
-fn sinc(x: f64) -> f64 {
+pub(super) fn sinc(x: f64) -> f64 {
     x.sin() / x
 }
 
 /// Samples a pixel; a pixel's own mean direction takes 1/N of the spread away.
-const SAMPLES: u64 = 1024;
-const OWN_MEAN: f64 = 1.0 - 1.0 / SAMPLES as f64;
+pub(super) const SAMPLES: u64 = 1024;
+pub(super) const OWN_MEAN: f64 = 1.0 - 1.0 / SAMPLES as f64;
 /// What is left out: tangents for angles of 0.01 (3e-5), and the noise that adds to a modulus (1/2N).
-const LEFT_OUT: f64 = 1e-3;
+pub(super) const LEFT_OUT: f64 = 1e-3;
 
 #[test]
 fn a_round_lamp_has_an_airy_pattern_of_coherence() {

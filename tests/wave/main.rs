@@ -9,6 +9,7 @@ mod egsm;
 mod emitters;
 mod given_matrices;
 mod grating;
+mod irradiancemeter;
 mod layered;
 mod mueller;
 mod plastic;

@@ -114,7 +114,7 @@ impl FilmGeometry {
 /// Pairs of components whose products are summed, beside the squares.
 const PAIRS: [(usize, usize); 6] = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
 
-/// The four components, those of the block that is not complete, and the squares of complete blocks.
+/// The four components of complete blocks, those of the block that is open, and the squares of complete blocks.
 type Sums = [f64; 12];
 
 /// One product of blocks for each of [`PAIRS`].
@@ -176,22 +176,34 @@ impl TileSums {
         (y..y + height).flat_map(move |row| (x..x + width).map(move |column| (column, row)))
     }
 
-    /// Adds some samples of one block to a pixel; `complete`: they are the last of it.
+    /// Goes on with the open block of a pixel: sample after sample, however many of them come at a time.
     #[inline]
-    pub fn add(&mut self, x: u32, y: u32, samples: &SampleSums, complete: bool) {
-        let first = self.index(x, y) * samples.sums.len();
-        for (colour, more) in samples.sums.iter().enumerate() {
-            let sums = &mut self.sums[first + colour];
+    pub fn open(&self, x: u32, y: u32, sums: &mut SampleSums) {
+        let first = self.index(x, y) * sums.sums.len();
+        for (colour, sum) in sums.sums.iter_mut().enumerate() {
+            sum.copy_from_slice(&self.sums[first + colour][4..8]);
+        }
+    }
+
+    /// Leaves the block of a pixel open.
+    #[inline]
+    pub fn keep(&mut self, x: u32, y: u32, sums: &SampleSums) {
+        let first = self.index(x, y) * sums.sums.len();
+        for (colour, sum) in sums.sums.iter().enumerate() {
+            self.sums[first + colour][4..8].copy_from_slice(sum);
+        }
+    }
+
+    /// Adds a complete block to a pixel, and empties it.
+    #[inline]
+    pub fn close(&mut self, x: u32, y: u32, sums: &mut SampleSums) {
+        let first = self.index(x, y) * sums.sums.len();
+        for (colour, sum) in sums.sums.iter_mut().enumerate() {
+            let block = std::mem::take(sum);
+            let all = &mut self.sums[first + colour];
             for k in 0..4 {
-                sums[k] += more[k];
-                sums[4 + k] += more[k];
-            }
-            if !complete {
-                continue;
-            }
-            let block: [f64; 4] = std::array::from_fn(|k| std::mem::take(&mut sums[4 + k]));
-            for k in 0..4 {
-                sums[8 + k] += block[k] * block[k];
+                all[k] += block[k];
+                all[8 + k] += block[k] * block[k];
             }
             if let Some(products) = self.products.get_mut(first + colour) {
                 for (product, (a, b)) in products.iter_mut().zip(PAIRS) {
@@ -244,9 +256,9 @@ impl PixelSums<'_> {
     /// Mean and variance of the mean of a component in one colour.
     pub fn estimate(&self, component: usize, colour: usize, count: Count) -> (f64, f64) {
         let sums = &self.sums[colour];
-        let complete = sums[component] - sums[4 + component];
-        let variance = count.variance(complete, sums[8 + component]);
-        (sums[component] / count.samples as f64, variance)
+        let all = sums[component] + sums[4 + component];
+        let variance = count.variance(sums[component], sums[8 + component]);
+        (all / count.samples as f64, variance)
     }
 
     /// Variance of the mean of a weighted sum of the components in one colour.
@@ -255,7 +267,7 @@ impl PixelSums<'_> {
     pub fn variance_of(&self, weights: &[f64; 4], colour: usize, count: Count) -> Option<f64> {
         let products = self.products.get(colour).filter(|_| count.blocks() > 1)?;
         let sums = &self.sums[colour];
-        let complete = (0..4).map(|k| weights[k] * (sums[k] - sums[4 + k])).sum();
+        let complete = (0..4).map(|k| weights[k] * sums[k]).sum();
         let squares: f64 = (0..4).map(|k| weights[k] * weights[k] * sums[8 + k]).sum();
         let pairs = PAIRS.into_iter().zip(products);
         let pairs: f64 = pairs
@@ -306,7 +318,7 @@ impl SampleColours {
     }
 }
 
-/// Sums over a few samples of a pixel.
+/// Sums over the samples of the open block of a pixel.
 #[derive(Clone, Debug)]
 pub struct SampleSums {
     sums: Vec<[f64; 4]>,
@@ -318,12 +330,6 @@ impl SampleSums {
         Self {
             sums: vec![[0.0; 4]; colours],
         }
-    }
-
-    /// Starts anew.
-    #[inline]
-    pub fn clear(&mut self) {
-        self.sums.fill([0.0; 4]);
     }
 
     /// Adds a sample. One that is not finite is left out whole: the answer is false.
@@ -365,14 +371,18 @@ mod tests {
         }
     }
 
-    /// One sample, in the second of two colours.
-    fn sums_of(sample: Vec4) -> SampleSums {
+    /// Adds a sample, in the second of two colours, as a pass of its own.
+    fn add(tile: &mut TileSums, x: u32, y: u32, sample: Vec4, complete: bool) {
         let mut colours = SampleColours::new(2);
         colours.add(0, Vec4::ONE);
         colours.add(1, sample);
         let mut sums = SampleSums::new(2);
+        tile.open(x, y, &mut sums);
         assert!(sums.add(&colours));
-        sums
+        if complete {
+            tile.close(x, y, &mut sums);
+        }
+        tile.keep(x, y, &sums);
     }
 
     #[test]
@@ -390,7 +400,7 @@ mod tests {
             vec4(7.0, 1.0, 1.0, 1.0),
         ];
         for (k, sample) in samples.into_iter().enumerate() {
-            tile.add(36, 20, &sums_of(sample), k % 2 == 1);
+            add(&mut tile, 36, 20, sample, k % 2 == 1);
         }
         let count = Count {
             samples: 7,
@@ -423,7 +433,7 @@ mod tests {
     fn one_block_tells_no_variance_and_neither_does_a_film_without_products() {
         let mut tiles = film(false).tiles(2, false);
         for _ in 0..3 {
-            tiles[0].add(0, 0, &sums_of(Vec4::ONE), false);
+            add(&mut tiles[0], 0, 0, Vec4::ONE, false);
         }
         let pixel = tiles[0].pixel(0, 0, 2);
         let count = |block| Count { samples: 3, block };

@@ -43,10 +43,15 @@ pub fn run(args: &Args) -> Outcome {
 
 fn describe(built: &BuiltScene, generator: Generator) -> String {
     let BuiltScene {
-        scene, film, paths, ..
+        scene,
+        camera,
+        film,
+        paths,
+        ..
     } = built;
     let mut lines = Vec::new();
     let mut line = |topic: &str, text: String| lines.push(format!("{topic:<11} {text}"));
+    line("sensor", camera.describe().to_owned());
     let [width, height] = film.size;
     line(
         "film",

@@ -228,13 +228,22 @@ impl Outline {
         (cell.mean, cell.root, cell.share)
     }
 
-    pub(super) fn area(&self) -> f32 {
+    pub(crate) fn area(&self) -> f32 {
         self.unit_area() * self.half_u.cross(self.half_v).length()
     }
 
     /// Area in its own coordinates.
     pub(crate) fn unit_area(&self) -> f32 {
         if self.round { PI } else { 4.0 }
+    }
+
+    /// Whether coordinates are within it.
+    pub(crate) fn holds(&self, x: Vec2) -> bool {
+        if self.round {
+            x.length_squared() <= 1.0
+        } else {
+            x.abs().max_element() <= 1.0
+        }
     }
 
     /// Coordinates of a point of the plane.

@@ -96,7 +96,7 @@ impl Polarization {
 
 /// `axis` projected across `k`, or `spare` where `axis` is parallel to `k`; unit.
 #[inline]
-pub(super) fn across(axis: Vec3A, spare: Vec3A, k: Vec3A) -> Vec3A {
+pub(crate) fn across(axis: Vec3A, spare: Vec3A, k: Vec3A) -> Vec3A {
     let projected = axis - k * k.dot(axis);
     let squared = projected.length_squared();
     if squared > 1e-10 {

@@ -6,6 +6,7 @@
 pub mod birefringent;
 pub mod circular;
 pub mod conductor;
+pub mod detector;
 pub mod dielectric;
 pub mod diffuse;
 pub mod grating;
@@ -174,6 +175,8 @@ pub enum Material {
     Slits(Box<slits::Slits>),
     /// Matter with two sides.
     TwoSided(twosided::TwoSided),
+    /// The plane of a sensor.
+    Detector(detector::Detector),
     /// Matter for tests.
     #[cfg(test)]
     Lobe(lobe::Lobe),
@@ -205,6 +208,7 @@ macro_rules! ask {
             Material::Grating($m) => $answer,
             Material::Slits($m) => $answer,
             Material::TwoSided($m) => $answer,
+            Material::Detector($m) => $answer,
             #[cfg(test)]
             Material::Lobe($m) => $answer,
         }

@@ -8,14 +8,16 @@
 //! few all of them are summed and only visibility is left to chance. Rays that hit a patch use the same average, and
 //! the weights of both are constant on a patch, so that the expected image does not depend on the cut.
 //!
-//! `connect.rs` looks for light from a vertex, `lobe.rs` from one that answers to coherence, `hit.rs` takes what a ray has met, `way.rs` follows specular matter, `witness.rs`
-//! asks where the light came from.
+//! `connect.rs` looks for light from a vertex, `lobe.rs` from one that answers to coherence, `hit.rs` takes what a ray has
+//! met, `way.rs` follows specular matter, `witness.rs` asks where the light came from, `plane.rs` begins paths on a bare
+//! sensor plane.
 
 mod connect;
 mod hit;
 mod lobe;
 #[cfg(test)]
 mod patch_tests;
+mod plane;
 mod way;
 pub mod witness;
 
@@ -29,6 +31,7 @@ use crate::light::Light;
 use crate::material::{Departure, Material, Matter, Part, Vertex};
 use crate::sampler::SampleStream;
 use crate::scene::{Encounter, Scene};
+pub use plane::{PlanePoint, Start};
 use way::Way;
 use witness::Witness;
 
@@ -92,10 +95,8 @@ const PER_VERTEX: u32 = 8;
 /// A camera sample: where it looks and the wavelengths that it carries.
 #[derive(Clone, Copy, Debug)]
 pub struct CameraSample<'a> {
-    /// The ray.
-    pub ray: Ray,
-    /// First axis of its Stokes frame.
-    pub axis: Vec3A,
+    /// Where its path begins.
+    pub start: Start<'a>,
     /// Wavelengths in nm, one a lane.
     pub wavelengths: &'a [f32],
     /// Its random numbers.
@@ -116,7 +117,7 @@ struct Walk<'a, L: Light, W: Witness, const WAVES: bool> {
     seen: L::Stokes,
 }
 
-/// The Stokes vector that one camera sample sees, in the frame of its ray; `witness` hears of every contribution.
+/// The Stokes vector that one camera sample sees, in the frame of its start; `witness` hears of every contribution.
 pub fn trace<L: Light, W: Witness>(
     scene: &Scene,
     options: &PathOptions,
@@ -129,10 +130,10 @@ pub fn trace<L: Light, W: Witness>(
     // the compiler makes one walk for each kind of scene
     if scene.traits().coherent {
         Walk::<L, W, true>::new(scene, options, &sample, stack, counters, witness)
-            .run(sample.ray, sample.axis)
+            .follow(&sample.start)
     } else {
         Walk::<L, W, false>::new(scene, options, &sample, stack, counters, witness)
-            .run(sample.ray, sample.axis)
+            .follow(&sample.start)
     }
 }
 
@@ -154,16 +155,32 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
             stack,
             counters,
             witness,
-            way: Way::new(sample.ray.direction),
+            way: Way::new(Vec3A::Z),
             seen: L::dark(),
         }
     }
 
+    /// The light that a path from its start collects.
+    #[inline]
+    fn follow(mut self, start: &Start<'_>) -> L::Stokes {
+        match start {
+            Start::Ray { ray, axis } => {
+                self.way.begin(ray.direction);
+                self.run(*ray, L::identity(*axis), None);
+                self.seen
+            }
+            Start::Plane(point) => {
+                if let Some((ray, throughput, origin)) = self.leave_plane(point) {
+                    self.run(ray, throughput, Some(origin));
+                }
+                self.seen_in(point.scale)
+            }
+        }
+    }
+
     #[inline(never)]
-    fn run(mut self, mut ray: Ray, axis: Vec3A) -> L::Stokes {
+    fn run(&mut self, mut ray: Ray, mut throughput: L::Throughput, mut origin: Option<Origin>) {
         let (scene, options) = (self.scene, self.options);
-        let mut throughput = L::identity(axis);
-        let mut origin: Option<Origin> = None;
         let mut waiting: Option<Waiting<'a>> = None;
         // ratio of the indices along the path: roulette looks at power, not at radiance
         let mut eta = 1.0f32;
@@ -171,7 +188,7 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
         self.counters.rays += 1;
         let mut encounter = scene.intersect(&ray, self.stack);
         let mut shows_emitters = true;
-        if options.hide_emitters {
+        if options.hide_emitters && origin.is_none() {
             encounter = self.beyond_emitters(ray, encounter);
             shows_emitters = false;
         }
@@ -351,7 +368,6 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
                 break;
             }
         }
-        self.seen
     }
 
     /// What the vertex behind makes of light along local `i`, its axes in the world, and the density of the direction.

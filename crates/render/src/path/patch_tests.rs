@@ -6,7 +6,7 @@
 use glam::{DVec3, Vec3A, dvec3};
 
 use super::lobe::MOST_SUMMED_HERE;
-use super::{CameraSample, Counters, PathOptions, trace};
+use super::{CameraSample, Counters, PathOptions, Start, trace};
 use crate::geometry::frame::Frame;
 use crate::geometry::ray::Ray;
 use crate::light::Polarized;
@@ -145,12 +145,14 @@ fn seen(built: &BuiltScene, patch: f32, samples: u64) -> (f64, f64, Counters) {
     let (mut sum, mut square) = (0.0, 0.0);
     for sample in 0..samples {
         let camera = CameraSample {
-            ray: Ray {
-                origin: toward * 0.5,
-                direction: -toward,
-                t_max: f32::INFINITY,
+            start: Start::Ray {
+                ray: Ray {
+                    origin: toward * 0.5,
+                    direction: -toward,
+                    t_max: f32::INFINITY,
+                },
+                axis: Vec3A::Y,
             },
-            axis: Vec3A::Y,
             wavelengths: &[550.0],
             stream: SampleStream::new(5, 0, sample),
         };

@@ -1,7 +1,8 @@
 //! Who hears of the light that a path collects: nobody, or sums from which the light's coherence follows.
 //!
 //! At a pinhole all light of a pixel is a single cone, whatever the scene. So coherence is told where the light meets
-//! matter: at the first vertex on the way of the pixel's ray that is not specular, in its tangent plane. With the weight w
+//! matter: at the first vertex on the way of the pixel's ray that is not specular, in its tangent plane. A bare sensor plane
+//! is such a vertex itself. With the weight w
 //! of a contribution (its S0 at the sensor), the tangential part θ of the direction toward the light, the angular root Ω
 //! of its patch there and the wavenumber k,
 //!
@@ -18,7 +19,6 @@ use glam::{DVec2, Vec3A, Vec4, dvec2};
 use stokes::CoherenceEllipse;
 
 use crate::coherence::Coherence;
-use crate::geometry::ray::Ray;
 
 /// What is told of a camera path. Whoever does not listen, `()`, costs nothing.
 pub trait Witness {
@@ -118,12 +118,12 @@ impl CoherenceSums {
     }
 }
 
-/// A view through the middle of a pixel.
+/// A view from the middle of a pixel.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
-    /// The ray.
-    pub ray: Ray,
-    /// Image right, across the ray.
+    /// Viewing direction; of a bare sensor plane its normal.
+    pub direction: Vec3A,
+    /// Image right, across it.
     pub right: Vec3A,
     /// Root of the covariance of directions over the pixel: the pixel's own patch of what it sees directly.
     pub root: [Vec3A; 2],
@@ -153,7 +153,7 @@ pub struct Listener<'a> {
 impl<'a> Listener<'a> {
     /// Before the path begins; `separation` is in metres along the first and the second axis of the frame.
     pub fn new(view: &View, lanes: &'a [(f64, f64)], separation: [f64; 2]) -> Self {
-        let direction = view.ray.direction;
+        let direction = view.direction;
         let image = [view.right, view.right.cross(direction)];
         Self {
             lanes,
@@ -256,11 +256,7 @@ mod tests {
 
     fn view(direction: Vec3A) -> View {
         View {
-            ray: Ray {
-                origin: Vec3A::ZERO,
-                direction,
-                t_max: f32::INFINITY,
-            },
+            direction,
             right: Vec3A::X,
             root: [Vec3A::X * 1e-3, Vec3A::Y * 2e-3],
         }

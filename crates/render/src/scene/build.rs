@@ -5,12 +5,13 @@ use std::rc::Rc;
 
 use glam::{DMat4, DVec3};
 
-use super::camera::{read_integrator, read_sensor};
+use super::camera::read_integrator;
 use super::document::Document;
 use super::error::SceneError;
 use super::mesh::load_obj;
 use super::object::Object;
 use super::plugins;
+use super::sensors::{Sensor, read_sensor};
 use super::tag::Tag;
 use super::world::{Body, Owner, Scene};
 use crate::emitter::polarization::Polarization;
@@ -43,7 +44,7 @@ use crate::material::slits::Slits;
 use crate::material::thindielectric::ThinDielectric;
 use crate::material::twosided::TwoSided;
 use crate::path::PathOptions;
-use crate::sensor::perspective::Perspective;
+use crate::sensor::Camera;
 use crate::shape::{
     Shape, cube::Cube, cylinder::Cylinder, disk::Disk, mesh::PlacedMesh, rectangle::Rectangle,
     sphere::Sphere,
@@ -63,8 +64,8 @@ pub struct Overrides {
 pub struct BuiltScene {
     /// Geometry, matter, light.
     pub scene: Scene,
-    /// The camera.
-    pub camera: Perspective,
+    /// The sensor.
+    pub camera: Camera,
     /// The film.
     pub film: FilmGeometry,
     /// The paths.
@@ -92,17 +93,12 @@ pub fn build(document: &Document, overrides: Overrides) -> Result<BuiltScene, Sc
         Some(integrator) => read_integrator(&integrator)?,
         None => PathOptions::default(),
     };
-    let sensors = root.children(Tag::Sensor);
-    let sensor = sensors.first().ok_or_else(|| {
-        root.error("the scene has no sensor, expected one <sensor type=\"perspective\">")
-    })?;
-    for unused in &sensors[1..] {
-        unused.notice_at(
-            "",
-            "only the first sensor of a scene is rendered; this one is not looked at",
-        );
-    }
-    let (camera, film, samples, sampler) = read_sensor(sensor, overrides)?;
+    let Sensor {
+        camera,
+        film,
+        samples,
+        sampler,
+    } = read_sensor(root, overrides)?;
 
     let mut builder = Builder::default();
     for emitter in root.children(Tag::Emitter) {

@@ -1,4 +1,4 @@
-//! How the scene is to be seen: integrator, sensor, film, filter, sampler.
+//! How the scene is to be seen: integrator, film, filter, sampler.
 
 use super::build::Overrides;
 use super::error::SceneError;
@@ -8,7 +8,6 @@ use super::tag::Tag;
 use crate::film::FilmGeometry;
 use crate::filter::Filter;
 use crate::path::PathOptions;
-use crate::sensor::perspective::Perspective;
 
 /// Largest film edge, pixels.
 const LARGEST_FILM: i64 = 65_536;
@@ -73,13 +72,11 @@ fn read_patch(object: &Object) -> Result<f32, SceneError> {
     }
 }
 
-pub(super) fn read_sensor(
+/// The film of a sensor, its sample count and the name of its sampler.
+pub(super) fn read_recording(
     object: &Object,
     overrides: Overrides,
-) -> Result<(Perspective, FilmGeometry, u64, String), SceneError> {
-    if object.plugin != "perspective" {
-        return Err(plugins::refuse(object));
-    }
+) -> Result<(FilmGeometry, u64, String), SceneError> {
     let film = match object.child(Tag::Film)? {
         Some(film) => read_film(&film, overrides)?,
         None => default_film(overrides),
@@ -88,9 +85,7 @@ pub(super) fn read_sensor(
         Some(sampler) => read_sampler(&sampler)?,
         None => (4, "independent".to_owned()),
     };
-    let camera = Perspective::read(object, film.size)?;
-    object.finish()?;
-    Ok((camera, film, samples, sampler))
+    Ok((film, samples, sampler))
 }
 
 fn read_sampler(object: &Object) -> Result<(u64, String), SceneError> {

@@ -25,6 +25,7 @@ mod object;
 mod params;
 pub mod plugins;
 mod search;
+mod sensors;
 mod source;
 mod spectral;
 mod tag;

@@ -90,11 +90,10 @@ const KINDS: [Kind; 8] = [
     },
     Kind {
         tag: Tag::Sensor,
-        supported: &["perspective"],
+        supported: &["irradiancemeter", "perspective"],
         missing: &[
             "batch",
             "distant",
-            "irradiancemeter",
             "orthographic",
             "radiancemeter",
             "thinlens",

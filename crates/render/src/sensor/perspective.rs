@@ -134,14 +134,14 @@ impl Perspective {
     /// The view through the middle of a pixel of the film.
     pub fn view(&self, column: u32, row: u32) -> View {
         let (x, y) = (column as f32 + 0.5, row as f32 + 0.5);
-        let (ray, right) = self.ray(x, y);
+        let (Ray { direction, .. }, right) = self.ray(x, y);
         // directions uniform over the pixel
         let spread = |dx: f32, dy: f32| {
             let ends = [-0.5, 0.5].map(|t| self.ray(x + t * dx, y + t * dy).0.direction);
             (ends[1] - ends[0]) / 12f32.sqrt()
         };
         View {
-            ray,
+            direction,
             right,
             root: [spread(1.0, 0.0), spread(0.0, 1.0)],
         }

@@ -75,7 +75,7 @@ impl Disk {
         }
     }
 
-    pub(super) fn outline(&self) -> Outline {
+    pub(crate) fn outline(&self) -> Outline {
         Outline {
             centre: self.centre,
             half_u: self.radius_u,

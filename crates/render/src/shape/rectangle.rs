@@ -73,7 +73,7 @@ impl Rectangle {
         }
     }
 
-    pub(super) fn outline(&self) -> Outline {
+    pub(crate) fn outline(&self) -> Outline {
         Outline {
             centre: self.centre,
             half_u: self.half_u,
