@@ -97,7 +97,7 @@ impl FilmGeometry {
                 TileSums {
                     corner: [x, y],
                     size,
-                    sums: vec![[0.0; 8]; pixels * colours],
+                    sums: vec![[0.0; 12]; pixels * colours],
                     products: vec![[0.0; 6]; pixels * colours * usize::from(self.products)],
                     coherence: vec![CoherenceSums::default(); pixels * usize::from(coherence)],
                 }

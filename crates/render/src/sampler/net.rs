@@ -89,7 +89,10 @@ mod tests {
                         })
                         .collect();
                     cells.sort_unstable();
-                    assert!(cells.into_iter().eq(0..1 << m), "2^{m} points, {across} columns");
+                    assert!(
+                        cells.into_iter().eq(0..1 << m),
+                        "2^{m} points, {across} columns"
+                    );
                 }
             }
         }
