@@ -94,6 +94,10 @@ impl Matter for Diffuse {
         false
     }
 
+    fn is_grey(&self, range: [f64; 2]) -> bool {
+        self.reflectance.is_constant_over(range)
+    }
+
     fn effect(&self) -> Effect {
         Effect {
             depolarizes: true,

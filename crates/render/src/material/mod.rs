@@ -260,6 +260,16 @@ pub trait Matter {
         Traits::default()
     }
 
+    /// Whether it does the same to light of all wavelengths of a range, nm.
+    fn is_grey(&self, _: [f64; 2]) -> bool {
+        false
+    }
+
+    /// Which part of the theorem's sums it leaves out, for `--explain`.
+    fn left_out(&self) -> Option<String> {
+        None
+    }
+
     /// Refuses a rendering from the first to the second wavelength, nm, where the scene has no data for it.
     ///
     /// # Errors
@@ -330,6 +340,14 @@ impl Matter for Material {
             discrete: self.is_discrete(),
             ..ask!(self, m => m.traits())
         }
+    }
+
+    fn is_grey(&self, range: [f64; 2]) -> bool {
+        ask!(self, m => m.is_grey(range))
+    }
+
+    fn left_out(&self) -> Option<String> {
+        ask!(self, m => m.left_out())
     }
 
     fn check_wavelengths(&self, range: [f64; 2]) -> Result<(), SceneError> {

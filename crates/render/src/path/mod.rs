@@ -287,6 +287,11 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
                 self.connect(reach, &place, choice, [u[0], u[1], spare]);
             }
 
+            // the last ray is for light alone
+            if depth + 1 == options.max_depth && scene.emitters_are_unmet() {
+                break;
+            }
+
             // go on toward the light
             let [u, v] = self.stream.pair(dimension + 4);
             let Some(departure) = material.sample(&vertex, self.wavelengths, [drawn, u, v]) else {
