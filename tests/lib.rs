@@ -33,6 +33,8 @@ pub struct Shot {
     pub size: Option<[u32; 2]>,
     /// Crop window.
     pub crop: Option<[u32; 4]>,
+    /// Size of emitter patches instead of the scene's.
+    pub patch: Option<f32>,
 }
 
 impl Shot {
@@ -45,6 +47,7 @@ impl Shot {
             polarized: true,
             size: None,
             crop: None,
+            patch: None,
         }
     }
 
@@ -55,13 +58,15 @@ impl Shot {
             crop: self.crop,
         };
         let built = build(document, overrides).unwrap_or_else(|error| panic!("{error}"));
-        Job {
+        let mut job = Job {
             polarized: self.polarized,
             follow_polarization: self.polarized,
             samples: self.spp,
             seed: self.seed,
             ..Job::new(built, self.mode.clone())
-        }
+        };
+        job.paths.patch = self.patch.unwrap_or(job.paths.patch);
+        job
     }
 
     /// Renders a scene given as text.

@@ -5,8 +5,9 @@
 
 Both ways run in the same program, taking turns.  Gain: CPU seconds of plane waves (`--patch 0`)
 over CPU seconds of patches for the same error, from the variances of both images: time × variance
-is what a sampler costs.  Bias: root of the mean squared difference of two long renderings beyond
-their noise, over mean S0, with the standard error of that estimate.
+is what a sampler costs.  Bias: root of the mean squared difference of S0 between two long
+renderings, in 48 parts of the image, beyond their noise and over the mean; with what the noise
+alone would let one see.
 """
 
 import sys
@@ -16,14 +17,17 @@ from pathlib import Path
 import numpy as np
 from common import ROOT, Array, Image, arguments, read, render
 
-# scene file below `scenes`, and what to put into it
+# scene file, and what to put into it
 CASES: dict[str, tuple[str, list[str]]] = {
-    "compact_disc": ("compact_disc/scene.xml", []),
+    "compact_disc": ("scenes/compact_disc/scene.xml", []),
     "compact_disc, large lamp": (
-        "compact_disc/scene.xml",
+        "scenes/compact_disc/scene.xml",
         ["-D", "lamp=0.06", "-D", "radiance=1.8"],
     ),
-    "roughness_series": ("roughness_series/scene.xml", []),
+    "ground plate": ("validation/ground_plate.xml", []),
+    "ground plate, larger lamp": ("validation/ground_plate.xml", ["-D", "lamp=0.02"]),
+    "roughness_series": ("scenes/roughness_series/scene.xml", []),
+    "double_slit": ("scenes/double_slit/scene.xml", []),
 }
 PLANE = ["--patch", "0"]
 
@@ -44,15 +48,22 @@ def cost(runs: list[tuple[Image, float]], spp: int) -> Array:
 
 
 def bias(patches: Image, plane: Image) -> tuple[float, float]:
-    """Return the relative root mean squared bias of S0 and its standard error."""
-    difference = (patches.mean - plane.mean)[:, :, 0]
-    variance = (patches.variance + plane.variance)[:, :, 0]
-    excess = difference**2 - variance
+    """Return the relative root mean squared bias of S0, and how much noise alone would show."""
+    parts = 8, 6
+
+    def sums(values: Array) -> Array:
+        columns = np.array_split(values, parts[0], axis=1)
+        return np.array([[p.mean() for p in np.array_split(c, parts[1], axis=0)] for c in columns])
+
     level = plane.mean[:, :, 0].mean()
-    mean = excess.mean()
-    # what the noise of the mean excess alone would look like
-    error = np.sqrt(excess.std() / np.sqrt(excess.size)) / level
-    return float(np.sqrt(max(mean, 0.0)) / level), float(error)
+    difference = sums((patches.mean - plane.mean)[:, :, 0])
+    # of the mean of a part: the mean variance over its number of values
+    size = plane.mean[:, :, 0].size / difference.size
+    variance = sums((patches.variance + plane.variance)[:, :, 0]) / size
+    excess = (difference**2 - variance).mean()
+    # the squares of normal deviates have twice the square of their variance
+    spread = np.sqrt(2.0 * (variance**2).sum()) / variance.size
+    return float(np.sqrt(max(excess, 0.0)) / level), float(np.sqrt(spread) / level)
 
 
 def main() -> int:
@@ -66,11 +77,11 @@ def main() -> int:
     args = parser.parse_args()
     if unknown := set(args.scenes) - set(CASES):
         parser.error(f"no case {', '.join(sorted(unknown))}, expected of {', '.join(CASES)}")
-    print("| scene | gain at equal error: S0 | S1 | S2 | S3 | bias of S0 | ± |")
+    print("| scene | gain at equal error: S0 | S1 | S2 | S3 | bias of S0 | seen above |")
     print("|---|---|---|---|---|---|---|")
     for name in args.scenes or CASES:
         file, options = CASES[name]
-        scene = ROOT / "scenes" / file
+        scene = ROOT / file
         options = ["--size", args.size, *options]
         runs: dict[str, list[tuple[Image, float]]] = {"plane": [], "patches": []}
         for seed in range(args.repetitions):

@@ -1,25 +1,19 @@
 //! Gratings: orders at their angles with their powers, seen as lamps in the grating.
 
 use std::f64::consts::{PI, TAU};
-use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
-use brewster_tests::{Shot, image_of, mean, scene};
+use brewster_tests::{Shot, mean, scene};
 use glam::DVec3;
-use render::engine::{Limits, render};
-use render::scene::read_text;
 
 const LAMBDA: f64 = 550e-9;
 
 /// Mean of a one-pixel image and its standard error, with patches of the given size.
 fn seen(text: &str, spp: u64, patch: f32) -> (f64, f64) {
-    let shot = Shot::new(spp);
-    let document =
-        read_text(text, Path::new("test.xml"), &[]).unwrap_or_else(|error| panic!("{error}"));
-    let mut job = shot.job(&document);
-    job.paths.patch = patch;
-    let rendering = render(&job, Limits::default(), &AtomicBool::new(false), |_| ());
-    let (s, error) = mean(&image_of(&job, &rendering), 0);
+    let shot = Shot {
+        patch: Some(patch),
+        ..Shot::new(spp)
+    };
+    let (s, error) = mean(&shot.of_text(text), 0);
     (s[0], error[0])
 }
 

@@ -131,9 +131,20 @@ fn a_disk_gives_fringes_of_visibility_j1() {
 
 #[test]
 fn the_scene_of_double_slits_shows_the_fringes_of_its_table() {
+    fringes_of_the_scene(None);
+}
+
+#[test]
+fn points_of_the_source_show_the_same_fringes_as_its_patches() {
+    // the slits are small, their screens are not: light from a point is no plane wave to a screen
+    fringes_of_the_scene(Some(0.0));
+}
+
+fn fringes_of_the_scene(patch: Option<f32>) {
     let (width, spacing) = (5e-6, 25e-6);
     let shot = Shot {
         size: Some([33, 22]),
+        patch,
         ..Shot::new(3000)
     };
     let image = shot.of_scene("double_slit");

@@ -58,7 +58,7 @@ pub struct Args {
     /// S0 alone, by scalar transport
     #[arg(long)]
     unpolarized: bool,
-    /// Half-width of emitter patches, in widths of the lobe that sees them; 0: plane waves [default: the scene's, or 0.5]
+    /// Half-width of emitter patches, in widths of the lobe that sees them; 0: single points [default: the scene's, or 0.5]
     #[arg(long, value_name = "R", value_parser = parse_patch)]
     patch: Option<f32>,
     /// Also the coherence of each pixel's light where it first meets matter that is not specular: ellipse, and degree at

@@ -195,7 +195,7 @@ pub fn parse_patch(text: &str) -> Result<f32, String> {
     match text.trim().parse::<f32>() {
         Ok(value) if (0.0..=1e3).contains(&value) => Ok(value),
         _ => Err(format!(
-            "'{text}', expected a number from 0 (plane waves) to 1000 such as 0.5"
+            "'{text}', expected a number from 0 (single points) to 1000 such as 0.5"
         )),
     }
 }

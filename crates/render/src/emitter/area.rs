@@ -45,14 +45,16 @@ impl Area {
             Body::Shape(index) => scene.shapes[index as usize].sample(from, u),
             Body::Mesh(index) => scene.meshes[index as usize].sample(from, u),
         }?;
-        let direction = (sample.position - from).normalize();
+        let to = sample.position - from;
+        let distance = to.length();
+        let direction = to / distance;
         let target = Target {
             position: sample.position,
             error: sample.error,
             normal: sample.normal,
         };
         (direction.dot(sample.normal) < 0.0)
-            .then(|| Connection::to_point(direction, Some(target), sample.pdf))
+            .then(|| Connection::to_point((direction, distance), Some(target), sample.pdf))
     }
 
     #[inline]

@@ -42,7 +42,8 @@ impl Constant {
     pub(super) fn connect(&self, frame: &Frame, u: [f32; 2]) -> Option<Connection> {
         let local = cosine_hemisphere(u);
         let density = local.z * FRAC_1_PI;
-        (density > 0.0).then(|| Connection::to_point(frame.to_world(local), None, density))
+        (density > 0.0)
+            .then(|| Connection::to_point((frame.to_world(local), f32::INFINITY), None, density))
     }
 
     /// Density of `Constant::connect`.

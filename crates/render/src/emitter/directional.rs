@@ -105,8 +105,13 @@ impl Directional {
         })
     }
 
+    /// Whether its light is parallel: it looks like a point.
+    pub(super) fn is_parallel(&self) -> bool {
+        self.cap <= 0.0
+    }
+
     /// The disc in patches; `None` for parallel light.
     pub(super) fn cut(&self, largest: f32) -> Option<Cut<'static>> {
-        (self.cap > 0.0).then(|| Cut::cone(self.toward, self.cap, largest))
+        (!self.is_parallel()).then(|| Cut::cone(self.toward, self.cap, largest))
     }
 }

@@ -231,14 +231,16 @@ impl Schell {
             (self.outline.at(at), self.outline.area().recip())
         };
         let sample = by_area((position, error, normal), density.recip(), from)?;
-        let direction = (position - from).normalize();
+        let to = position - from;
+        let distance = to.length();
+        let direction = to / distance;
         let target = Target {
             position,
             error,
             normal,
         };
         (direction.dot(normal) < 0.0)
-            .then(|| Connection::to_point(direction, Some(target), sample.pdf))
+            .then(|| Connection::to_point((direction, distance), Some(target), sample.pdf))
     }
 
     /// Density of [`Schell::connect`] per steradian.

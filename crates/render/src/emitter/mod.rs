@@ -69,15 +69,19 @@ pub struct Connection {
 }
 
 impl Connection {
-    /// The way to one point of an area, or of the surroundings if there is no target: plane waves.
-    pub fn to_point(direction: Vec3A, target: Option<Target>, density: f32) -> Self {
+    /// The way to one point of an area at a distance in metres, or of the surroundings, infinitely far.
+    pub fn to_point(
+        (direction, distance): (Vec3A, f32),
+        target: Option<Target>,
+        density: f32,
+    ) -> Self {
         Self {
             direction,
             target,
             density,
             discrete: false,
             weight: 1.0,
-            coherence: Coherence::PLANE_WAVE,
+            coherence: Coherence::from_point(distance),
         }
     }
 }
@@ -144,6 +148,15 @@ impl Emitter {
     #[inline]
     pub fn can_be_met(&self) -> bool {
         matches!(self.kind, Kind::Area(_) | Kind::Schell(_)) || self.surrounds()
+    }
+
+    /// Whether each point sees it in one direction.
+    pub fn has_one_direction(&self) -> bool {
+        match &self.kind {
+            Kind::Point(_) | Kind::Spot(_) | Kind::Laser(_) => true,
+            Kind::Directional(e) => e.is_parallel(),
+            _ => false,
+        }
     }
 
     /// The light that it sends along `k` from a point on it: radiance, or intensity, irradiance or power of emitters

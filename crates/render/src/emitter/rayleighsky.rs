@@ -207,7 +207,7 @@ impl RayleighSky {
             self.draw([2.0 * u[0] - 1.0, u[1]])
         };
         let density = self.density(frame, direction);
-        (density > 0.0).then(|| Connection::to_point(direction, None, density))
+        (density > 0.0).then(|| Connection::to_point((direction, f32::INFINITY), None, density))
     }
 
     /// A direction drawn from the table.

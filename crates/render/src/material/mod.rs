@@ -243,7 +243,7 @@ pub trait Matter {
 
     /// Angular width (standard deviation, radians) of the narrowest continuous lobe with which it answers at a vertex.
     ///
-    /// Emitters are cut into patches by it. `None`: it ignores coherence, and light may come as plane waves.
+    /// Emitters are cut into patches by it. `None`: it ignores coherence, and light may come from single points.
     fn lobe_width(&self, _: &Vertex, _: &[f32]) -> Option<f32> {
         None
     }

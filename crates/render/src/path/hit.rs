@@ -3,13 +3,13 @@
 use glam::Vec3A;
 
 use super::witness::Witness;
-use super::{Origin, Waiting, Walk, connect, power_heuristic};
+use super::{Origin, Waiting, Walk, lobe, power_heuristic};
 use crate::coherence::Coherence;
 use crate::geometry::ray::Ray;
 use crate::light::Light;
 use crate::scene::Encounter;
 
-impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
+impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
     /// Light of an emitter that the path has met.
     #[inline]
     pub(super) fn collect_hit(
@@ -25,11 +25,11 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
         let k = -ray.direction;
         let share = match (origin, waiting) {
             (None, _) => 1.0,
-            (Some(origin), None) => self.plane_wave_share(origin, emitter, encounter),
-            (Some(origin), Some(from)) => {
+            (Some(origin), Some(from)) if WAVES => {
                 self.collect_patch(throughput, origin, from, emitter, encounter, ray);
                 return;
             }
+            (Some(origin), _) => self.plane_wave_share(origin, emitter, encounter),
         };
         let position = encounter.map_or(Vec3A::ZERO, |e| e.surface.position);
         let emission = source.emit::<L>(k, position, self.wavelengths);
@@ -68,45 +68,39 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
             -ray.direction,
             encounter.map_or(Vec3A::ZERO, |e| e.surface.position),
         );
-        let largest = connect::largest_patch(self.options, from.lobe);
+        let largest = lobe::largest_patch(self.options, from.lobe);
         let cut = match encounter {
             Some(_) if self.way.straight => source.cut(scene, from.vertex.position, largest),
             _ => None,
         };
-        let (response, share, position, i, coherence) = if let Some(cut) = cut {
-            if connect::sums_all(&cut) {
+        let arm = encounter.map_or(f32::INFINITY, |_| (position - ray.origin).length());
+        let drawn = (
+            from.departure.direction,
+            Coherence::from_point(self.way.length + arm),
+        );
+        let (share, position, (i, coherence)) = if let Some(cut) = cut {
+            if lobe::sums_all(&cut) {
                 // connections have seen all of it
                 return;
             }
+            // weighed as the whole patch is, so that connections and hits share each patch as a whole; within it the
+            // direction that was drawn keeps its own response: the patch's over this density has no bound
             let patch = cut.patch(cut.find(position, self.way.direction));
-            let i = from.vertex.frame.to_local(patch.direction);
-            let (response, own) = self.respond_behind(from, i, &patch.coherence());
-            let other = connect::patch_density(scene, &cut, &patch);
-            (
-                response,
-                power_heuristic(own, other),
-                patch.centre,
-                i,
-                patch.coherence(),
-            )
+            let toward = from.vertex.frame.to_local(patch.direction);
+            let own = self.respond_behind(from, toward, &patch.coherence()).1;
+            let other = lobe::patch_density(scene, &cut, &patch);
+            (power_heuristic(own, other), position, drawn)
         } else if !self.way.straight
             && let Some(e) = encounter
             && let Some(patch) = self.patch_through(from, source, &e.surface, ray, largest)
         {
             let i = from.vertex.frame.to_local(patch.direction);
-            let (response, _) = self.respond_behind(from, i, &patch.coherence());
-            (response, 1.0, patch.centre, i, patch.coherence())
+            (1.0, patch.centre, (i, patch.coherence()))
         } else {
-            let i = from.departure.direction;
-            let (response, _) = self.respond_behind(from, i, &Coherence::PLANE_WAVE);
-            (
-                response,
-                self.plane_wave_share(origin, emitter, encounter),
-                position,
-                i,
-                Coherence::PLANE_WAVE,
-            )
+            let share = self.plane_wave_share(origin, emitter, encounter);
+            (share, position, drawn)
         };
+        let (response, _) = self.respond_behind(from, i, &coherence);
         let throughput = self.through(throughput, from, response);
         let emission = source.emit::<L>(k, position, self.wavelengths);
         let toward = from.vertex.frame.to_world(i);

@@ -8,11 +8,12 @@
 //! few all of them are summed and only visibility is left to chance. Rays that hit a patch use the same average, and
 //! the weights of both are constant on a patch, so that the expected image does not depend on the cut.
 //!
-//! `connect.rs` looks for light from a vertex, `hit.rs` takes what a ray has met, `way.rs` follows specular matter, `witness.rs`
+//! `connect.rs` looks for light from a vertex, `lobe.rs` from one that answers to coherence, `hit.rs` takes what a ray has met, `way.rs` follows specular matter, `witness.rs`
 //! asks where the light came from, `plane.rs` begins paths on a bare sensor plane.
 
 mod connect;
 mod hit;
+mod lobe;
 #[cfg(test)]
 mod patch_tests;
 mod plane;
@@ -42,7 +43,7 @@ pub struct PathOptions {
     pub rr_depth: u32,
     /// Whether the camera does not see emitters directly.
     pub hide_emitters: bool,
-    /// Half-width of emitter patches, in widths of the lobe that sees them; 0: plane waves, no patches.
+    /// Half-width of emitter patches, in widths of the lobe that sees them; 0: single points, no patches.
     pub patch: f32,
 }
 
@@ -101,8 +102,8 @@ pub struct CameraSample<'a> {
     pub stream: SampleStream,
 }
 
-/// One camera sample on its way.
-struct Walk<'a, L: Light, W: Witness> {
+/// One camera sample on its way. Without `WAVES` no matter answers to coherence, and nothing waits.
+struct Walk<'a, L: Light, W: Witness, const WAVES: bool> {
     scene: &'a Scene,
     options: &'a PathOptions,
     wavelengths: &'a [f32],
@@ -125,63 +126,79 @@ pub fn trace<L: Light, W: Witness>(
     witness: &mut W,
 ) -> L::Stokes {
     counters.paths += 1;
-    let mut walk = Walk::<L, W> {
-        scene,
-        options,
-        wavelengths: sample.wavelengths,
-        stream: sample.stream,
-        stack,
-        counters,
-        witness,
-        way: Way::new(Vec3A::Z),
-        seen: L::dark(),
-    };
-    let (ray, throughput, origin) = match &sample.start {
-        Start::Ray { ray, axis } => {
-            walk.way.begin(ray.direction);
-            (*ray, L::identity(*axis), None)
-        }
-        Start::Plane(point) => match walk.leave_plane(point) {
-            Some((ray, throughput, origin)) => (ray, throughput, Some(origin)),
-            None => return walk.seen_in(point.scale),
-        },
-    };
-    walk.run(ray, throughput, origin);
-    match &sample.start {
-        Start::Ray { .. } => walk.seen,
-        Start::Plane(point) => walk.seen_in(point.scale),
+    // the compiler makes one walk for each kind of scene
+    if scene.traits().coherent {
+        Walk::<L, W, true>::new(scene, options, &sample, stack, counters, witness)
+            .begin(&sample.start)
+    } else {
+        Walk::<L, W, false>::new(scene, options, &sample, stack, counters, witness)
+            .begin(&sample.start)
     }
 }
 
-impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
-    fn run(&mut self, mut ray: Ray, mut throughput: L::Throughput, mut origin: Option<Origin>) {
+impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
+    #[inline]
+    fn new(
+        scene: &'a Scene,
+        options: &'a PathOptions,
+        sample: &CameraSample<'a>,
+        stack: &'a mut Stack,
+        counters: &'a mut Counters,
+        witness: &'a mut W,
+    ) -> Self {
+        Self {
+            scene,
+            options,
+            wavelengths: sample.wavelengths,
+            stream: sample.stream,
+            stack,
+            counters,
+            witness,
+            way: Way::new(Vec3A::Z),
+            seen: L::dark(),
+        }
+    }
+
+    #[inline]
+    fn begin(mut self, start: &Start<'_>) -> L::Stokes {
+        match start {
+            Start::Ray { ray, axis } => {
+                self.way.begin(ray.direction);
+                self.run(*ray, L::identity(*axis), None)
+            }
+            Start::Plane(point) => self.run_from_plane(point),
+        }
+    }
+
+    #[inline(never)]
+    fn run(
+        mut self,
+        mut ray: Ray,
+        mut throughput: L::Throughput,
+        mut origin: Option<Origin>,
+    ) -> L::Stokes {
         let (scene, options) = (self.scene, self.options);
         let mut waiting: Option<Waiting<'a>> = None;
-        // the camera's own rays, until they meet anything
-        let mut first = origin.is_none();
         // ratio of the indices along the path: roulette looks at power, not at radiance
         let mut eta = 1.0f32;
 
-        let mut depth = 1u32;
-        while depth <= options.max_depth {
-            // find what the ray meets
-            self.counters.rays += 1;
-            let mut encounter = scene.intersect(&ray, self.stack);
-            let mut source = None;
-            if options.hide_emitters && first {
-                encounter = self.beyond_emitters(ray, encounter);
-            } else {
-                source = match &encounter {
-                    Some(e) => e
-                        .owner
-                        .emitter
-                        .filter(|_| ray.direction.dot(e.surface.normal) < 0.0),
-                    None => scene.environment,
-                };
-            }
-
+        self.counters.rays += 1;
+        let mut encounter = scene.intersect(&ray, self.stack);
+        let mut shows_emitters = true;
+        if options.hide_emitters && origin.is_none() {
+            encounter = self.beyond_emitters(ray, encounter);
+            shows_emitters = false;
+        }
+        for depth in 1..=options.max_depth {
             // light that the surface or the surroundings send out
-            if let Some(emitter) = source {
+            let source = match &encounter {
+                Some(e) => e
+                    .owner
+                    .emitter
+                    .filter(|_| ray.direction.dot(e.surface.normal) < 0.0),
+                None => scene.environment,
+            };
+            if let Some(emitter) = source.filter(|_| shows_emitters) {
                 self.collect_hit(
                     &throughput,
                     origin.as_ref(),
@@ -191,20 +208,22 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
                     &ray,
                 );
             }
-            let Some(encounter) = encounter else { break };
-            if depth >= options.max_depth {
+            let Some(met) = encounter else { break };
+            if depth == options.max_depth {
                 break;
             }
-            let surface = encounter.surface;
-            let material = &scene.materials[encounter.owner.material as usize];
-            let traits = scene.traits_of(encounter.owner.material);
+            let surface = met.surface;
+            let material = &scene.materials[met.owner.material as usize];
+            let traits = scene.traits_of(met.owner.material);
 
-            // light that matter scatters comes to the vertex behind as plane waves; what that matter lets through
+            let arm = (surface.position - ray.origin).length();
+
+            // light that matter scatters comes to the vertex behind from a point; what that matter lets through
             // unscattered still has to tell where it comes from
             let mut scattered = waiting
                 .as_ref()
-                .filter(|_| !traits.discrete)
-                .map(|from| self.plane_wave_through(&throughput, from));
+                .filter(|_| WAVES && !traits.discrete)
+                .map(|from| self.point_through(&throughput, from, arm));
             if scattered.as_ref().is_some_and(|s| L::strength(s) <= 0.0) {
                 break;
             }
@@ -231,14 +250,14 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
                 o: frame.to_local(o_world),
                 position: surface.position,
                 frame,
-                viewer_distance: (surface.position - ray.origin).length(),
+                viewer_distance: arm,
             };
             let lit_frame = if vertex.o.z < 0.0 {
                 frame.flipped()
             } else {
                 frame
             };
-            let lobe = if options.patch > 0.0 && traits.coherent {
+            let lobe = if WAVES && traits.coherent && options.patch > 0.0 {
                 material.lobe_width(&vertex, self.wavelengths)
             } else {
                 None
@@ -250,9 +269,7 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
 
             // connect to a light source
             let [drawn, spare] = self.stream.pair(dimension + 6);
-            if !traits.discrete
-                && let Some((emitter, share)) = scene.choose_emitter(choice)
-            {
+            if !traits.discrete {
                 let place = connect::Place {
                     material,
                     surface: &surface,
@@ -264,7 +281,7 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
                 };
                 let u = self.stream.pair(dimension);
                 let reach = scattered.as_ref().unwrap_or(&throughput);
-                self.connect(reach, &place, emitter, share, [u[0], u[1], spare]);
+                self.connect(reach, &place, choice, [u[0], u[1], spare]);
             }
 
             // go on toward the light
@@ -279,6 +296,19 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
                 departure.direction.z * vertex.o.z > 0.0,
             );
             eta *= departure.eta;
+            shows_emitters = true;
+            ray = Ray {
+                origin: offset_origin(surface.position, surface.error, surface.normal, direction),
+                direction,
+                t_max: f32::INFINITY,
+            };
+            self.counters.rays += 1;
+            encounter = scene.intersect(&ray, self.stack);
+            // nothing is evaluated for a ray that brings no light
+            if encounter.is_none() && scene.environment.is_none() {
+                break;
+            }
+
             let continuous = departure.part == Part::Continuous;
             if continuous && let Some(scattered) = scattered {
                 throughput = scattered;
@@ -293,21 +323,29 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
                     lobe,
                 });
             } else {
+                // matter that answers to coherence, without patches: light comes from a point
+                let coherence = match &encounter {
+                    Some(next) if WAVES && traits.coherent => {
+                        let arm = (next.surface.position - surface.position).length();
+                        Coherence::from_point(arm)
+                    }
+                    _ => Coherence::PLANE_WAVE,
+                };
                 let (response, _) = material.respond::<L>(
                     &vertex,
                     departure.direction,
                     departure.part,
                     self.wavelengths,
-                    &Coherence::PLANE_WAVE,
+                    &coherence,
                 );
                 let response = L::map_axes(response, |v| frame.to_world(v));
                 let weight = departure.density.recip();
-                if let Some(from) = &waiting {
+                if let Some(from) = waiting.as_ref().filter(|_| WAVES) {
                     self.way
                         .extend(response, weight, o_world, vertex.viewer_distance);
-                    self.way.note(departure.part, encounter.owner.material);
+                    self.way.note(departure.part, met.owner.material);
                     if self.way.is_lost() {
-                        throughput = self.plane_wave_through(&throughput, from);
+                        throughput = self.point_through(&throughput, from, 0.0);
                         waiting = None;
                     }
                 } else {
@@ -326,14 +364,8 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
             if L::strength(&throughput) <= 0.0 {
                 break;
             }
-            ray = Ray {
-                origin: offset_origin(surface.position, surface.error, surface.normal, direction),
-                direction,
-                t_max: f32::INFINITY,
-            };
-            first = false;
-            depth += 1;
         }
+        self.seen
     }
 
     /// What the vertex behind makes of light along local `i`, its axes in the world, and the density of the direction.
@@ -368,11 +400,17 @@ impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
         self.way.after(L::extend(throughput, response, weight, o))
     }
 
-    /// The same for a plane wave from the direction that was drawn.
+    /// The same for light from a point in the direction that was drawn, as far beyond the way so far as `arm`.
     #[inline]
-    fn plane_wave_through(&self, throughput: &L::Throughput, from: &Waiting<'_>) -> L::Throughput {
+    fn point_through(
+        &self,
+        throughput: &L::Throughput,
+        from: &Waiting<'_>,
+        arm: f32,
+    ) -> L::Throughput {
         let i = from.departure.direction;
-        let (response, _) = self.respond_behind(from, i, &Coherence::PLANE_WAVE);
+        let coherence = Coherence::from_point(self.way.length + arm);
+        let (response, _) = self.respond_behind(from, i, &coherence);
         self.through(throughput, from, response)
     }
 

@@ -5,7 +5,7 @@
 
 use glam::{DVec3, Vec3A, dvec3};
 
-use super::connect::MOST_SUMMED_HERE;
+use super::lobe::MOST_SUMMED_HERE;
 use super::{CameraSample, Counters, PathOptions, Start, trace};
 use crate::geometry::frame::Frame;
 use crate::geometry::ray::Ray;

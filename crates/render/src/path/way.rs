@@ -19,7 +19,7 @@ use crate::light::Light;
 use crate::material::{Matter, Part, Vertex};
 use crate::shape::Surface;
 
-/// Longest chain through which coherence is followed; behind longer ones light comes as plane waves.
+/// Longest chain through which coherence is followed; behind longer ones light comes from points.
 const LONGEST: usize = 6;
 
 /// Turn of the neighbouring rays, radians: small against lenses, large against rounding of positions.
@@ -40,7 +40,8 @@ pub(super) struct Way<L: Light> {
     count: usize,
     /// What the matter does to the light, in the frame of `axis` at the vertex; kept while the vertex waits.
     matrix: Option<(Vec3A, L::Throughput)>,
-    length: f32,
+    /// From the vertex to the last matter on it, metres.
+    pub(super) length: f32,
 }
 
 impl<L: Light> Way<L> {
@@ -108,7 +109,7 @@ impl<L: Light> Way<L> {
     }
 }
 
-impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
+impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
     /// The patch of a flat emitter that a way through specular matter has hit, as the vertex behind sees it.
     ///
     /// `None` where neighbouring rays go other ways, near a caustic, and for emitters that are not flat.

@@ -67,7 +67,7 @@ fn read_patch(object: &Object) -> Result<f32, SceneError> {
     } else {
         Err(object.error_at(
             "patch",
-            format!("a patch size of {patch} lobe widths, expected a number from 0 (plane waves) to 1000"),
+            format!("a patch size of {patch} lobe widths, expected a number from 0 (single points) to 1000"),
         ))
     }
 }

@@ -59,7 +59,7 @@ const ENVELOPES: usize = 8;
 /// Rounding by which matter may miss being realizable or passive.
 const TOLERANCE: f64 = 1e-6;
 
-/// Lobes wider than this, radians, take light as plane waves.
+/// Lobes wider than this, radians, take light as from single points.
 const WIDE: f32 = 0.1;
 
 /// What the matter scatters to one side of a lit surface.
