@@ -1,4 +1,6 @@
 //! The film: sums of Stokes vectors per pixel, from which the image and its variance follow.
+//!
+//! Samples come in blocks, which are independent of each other; the samples within one are not.
 
 use glam::Vec4;
 
@@ -95,7 +97,7 @@ impl FilmGeometry {
                 TileSums {
                     corner: [x, y],
                     size,
-                    sums: vec![[0.0; 8]; pixels * colours],
+                    sums: vec![[0.0; 12]; pixels * colours],
                     products: vec![[0.0; 6]; pixels * colours * usize::from(self.products)],
                     coherence: vec![CoherenceSums::default(); pixels * usize::from(coherence)],
                 }
@@ -112,11 +114,38 @@ impl FilmGeometry {
 /// Pairs of components whose products are summed, beside the squares.
 const PAIRS: [(usize, usize); 6] = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
 
-/// The four components and their squares.
-type Sums = [f64; 8];
+/// The four components of complete blocks, those of the block that is open, and the squares of complete blocks.
+type Sums = [f64; 12];
 
-/// One product for each of [`PAIRS`].
+/// One product of blocks for each of [`PAIRS`].
 type Products = [f64; 6];
+
+/// How many samples a pixel has, and in what blocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Count {
+    /// Samples.
+    pub samples: u64,
+    /// Samples a block.
+    pub block: u64,
+}
+
+impl Count {
+    /// Complete blocks.
+    pub fn blocks(self) -> u64 {
+        self.samples / self.block
+    }
+
+    /// Variance of the mean of a value, from sums over complete blocks of it and of its square; infinite if unknown.
+    fn variance(self, sum: f64, squares: f64) -> f64 {
+        let n = self.blocks() as f64;
+        if n < 2.0 {
+            return f64::INFINITY;
+        }
+        let mean = sum / n;
+        let of_a_block = (squares / n - mean * mean).max(0.0) * n / (n - 1.0);
+        of_a_block / (self.block as f64 * self.samples as f64)
+    }
+}
 
 /// Sums over the samples of the pixels of a tile.
 #[derive(Clone, Debug)]
@@ -147,30 +176,41 @@ impl TileSums {
         (y..y + height).flat_map(move |row| (x..x + width).map(move |column| (column, row)))
     }
 
-    /// Adds a sample to a pixel. A sample that is not finite is left out whole: the answer is false.
+    /// Goes on with the open block of a pixel: sample after sample, however many of them come at a time.
     #[inline]
-    pub fn add(&mut self, x: u32, y: u32, sample: &SampleColours) -> bool {
-        if !sample.values.iter().all(|v| v.is_finite()) {
-            return false;
+    pub fn open(&self, x: u32, y: u32, sums: &mut SampleSums) {
+        let first = self.index(x, y) * sums.sums.len();
+        for (colour, sum) in sums.sums.iter_mut().enumerate() {
+            sum.copy_from_slice(&self.sums[first + colour][4..8]);
         }
-        let first = self.index(x, y) * sample.values.len();
-        let sums = &mut self.sums[first..][..sample.values.len()];
-        for (sums, value) in sums.iter_mut().zip(&sample.values) {
-            let value = value.to_array().map(f64::from);
+    }
+
+    /// Leaves the block of a pixel open.
+    #[inline]
+    pub fn keep(&mut self, x: u32, y: u32, sums: &SampleSums) {
+        let first = self.index(x, y) * sums.sums.len();
+        for (colour, sum) in sums.sums.iter().enumerate() {
+            self.sums[first + colour][4..8].copy_from_slice(sum);
+        }
+    }
+
+    /// Adds a complete block to a pixel, and empties it.
+    #[inline]
+    pub fn close(&mut self, x: u32, y: u32, sums: &mut SampleSums) {
+        let first = self.index(x, y) * sums.sums.len();
+        for (colour, sum) in sums.sums.iter_mut().enumerate() {
+            let block = std::mem::take(sum);
+            let all = &mut self.sums[first + colour];
             for k in 0..4 {
-                sums[k] += value[k];
-                sums[4 + k] += value[k] * value[k];
+                all[k] += block[k];
+                all[8 + k] += block[k] * block[k];
             }
-        }
-        if let Some(products) = self.products.get_mut(first..) {
-            for (products, value) in products.iter_mut().zip(&sample.values) {
-                let value = value.to_array().map(f64::from);
+            if let Some(products) = self.products.get_mut(first + colour) {
                 for (product, (a, b)) in products.iter_mut().zip(PAIRS) {
-                    *product += value[a] * value[b];
+                    *product += block[a] * block[b];
                 }
             }
         }
-        true
     }
 
     #[inline]
@@ -213,33 +253,27 @@ impl TileSums {
 }
 
 impl PixelSums<'_> {
-    /// Mean and variance of the mean of a component in one colour after `count` samples.
-    pub fn estimate(&self, component: usize, colour: usize, count: u64) -> (f64, f64) {
-        let n = count as f64;
-        let mean = self.sums[colour][component] / n;
-        let square = self.sums[colour][4 + component] / n;
-        let variance = if count > 1 {
-            ((square - mean * mean) / (n - 1.0)).max(0.0)
-        } else {
-            f64::INFINITY
-        };
-        (mean, variance)
+    /// Mean and variance of the mean of a component in one colour.
+    pub fn estimate(&self, component: usize, colour: usize, count: Count) -> (f64, f64) {
+        let sums = &self.sums[colour];
+        let all = sums[component] + sums[4 + component];
+        let variance = count.variance(sums[component], sums[8 + component]);
+        (all / count.samples as f64, variance)
     }
 
-    /// Variance of the mean of a weighted sum of the components in one colour, after `count` samples.
+    /// Variance of the mean of a weighted sum of the components in one colour.
     ///
-    /// `None` where the film sums no products, or after a single sample.
-    pub fn variance_of(&self, weights: &[f64; 4], colour: usize, count: u64) -> Option<f64> {
-        let products = self.products.get(colour).filter(|_| count > 1)?;
-        let n = count as f64;
-        let at = |index: usize| self.sums[colour][index] / n;
-        let covariance = |product: f64, a: usize, b: usize| product - at(a) * at(b);
-        let squares = (0..4).map(|k| weights[k] * weights[k] * covariance(at(4 + k), k, k));
+    /// `None` where the film sums no products, or has fewer than two blocks.
+    pub fn variance_of(&self, weights: &[f64; 4], colour: usize, count: Count) -> Option<f64> {
+        let products = self.products.get(colour).filter(|_| count.blocks() > 1)?;
+        let sums = &self.sums[colour];
+        let complete = (0..4).map(|k| weights[k] * sums[k]).sum();
+        let squares: f64 = (0..4).map(|k| weights[k] * weights[k] * sums[8 + k]).sum();
         let pairs = PAIRS.into_iter().zip(products);
-        let pairs = pairs
-            .map(|((a, b), product)| 2.0 * weights[a] * weights[b] * covariance(product / n, a, b));
-        let sum: f64 = squares.chain(pairs).sum();
-        Some((sum / (n - 1.0)).max(0.0))
+        let pairs: f64 = pairs
+            .map(|((a, b), product)| 2.0 * weights[a] * weights[b] * product)
+            .sum();
+        Some(count.variance(complete, squares + pairs))
     }
 }
 
@@ -284,6 +318,35 @@ impl SampleColours {
     }
 }
 
+/// Sums over the samples of the open block of a pixel.
+#[derive(Clone, Debug)]
+pub struct SampleSums {
+    sums: Vec<[f64; 4]>,
+}
+
+impl SampleSums {
+    /// Nothing yet, for so many colours.
+    pub fn new(colours: usize) -> Self {
+        Self {
+            sums: vec![[0.0; 4]; colours],
+        }
+    }
+
+    /// Adds a sample. One that is not finite is left out whole: the answer is false.
+    #[inline]
+    pub fn add(&mut self, sample: &SampleColours) -> bool {
+        if !sample.values.iter().all(|v| v.is_finite()) {
+            return false;
+        }
+        for (sums, value) in self.sums.iter_mut().zip(&sample.values) {
+            for (sum, value) in sums.iter_mut().zip(value.to_array()) {
+                *sum += f64::from(value);
+            }
+        }
+        true
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -308,42 +371,82 @@ mod tests {
         }
     }
 
+    /// Adds a sample, in the second of two colours, as a pass of its own.
+    fn add(tile: &mut TileSums, x: u32, y: u32, sample: Vec4, complete: bool) {
+        let mut colours = SampleColours::new(2);
+        colours.add(0, Vec4::ONE);
+        colours.add(1, sample);
+        let mut sums = SampleSums::new(2);
+        tile.open(x, y, &mut sums);
+        assert!(sums.add(&colours));
+        if complete {
+            tile.close(x, y, &mut sums);
+        }
+        tile.keep(x, y, &sums);
+    }
+
     #[test]
-    fn the_variance_of_a_sum_of_components_is_that_of_the_summed_samples() {
+    fn the_variance_of_a_sum_of_components_is_that_of_the_summed_blocks() {
         let film = film(true);
         let mut tile = film.tiles(2, false).swap_remove(film.tile_of(36, 20));
+        // three blocks of two samples, and one that is not complete
         let samples = [
             vec4(1.0, 0.5, -0.25, 0.125),
             vec4(3.0, -1.0, 0.5, 2.0),
             vec4(0.5, 0.5, 0.0, 0.0),
+            vec4(2.5, 0.0, 1.0, -1.0),
+            vec4(4.0, -2.0, 0.5, 0.25),
+            vec4(0.125, 0.0, 0.0, 0.0),
+            vec4(7.0, 1.0, 1.0, 1.0),
         ];
-        let mut colours = SampleColours::new(2);
-        for sample in samples {
-            colours.clear();
-            colours.add(0, Vec4::ONE);
-            colours.add(1, sample);
-            assert!(tile.add(36, 20, &colours));
+        for (k, sample) in samples.into_iter().enumerate() {
+            add(&mut tile, 36, 20, sample, k % 2 == 1);
         }
-        let weights = [0.5, -0.25, 2.0, 1.0];
-        let sums = samples.map(|s| (0..4).map(|k| weights[k] * f64::from(s[k])).sum::<f64>());
-        let mean = sums.iter().sum::<f64>() / 3.0;
-        let expected = sums.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (3.0 * 2.0);
+        let count = Count {
+            samples: 7,
+            block: 2,
+        };
         let pixel = tile.pixel(36, 20, 2);
-        let found = pixel.variance_of(&weights, 1, 3).unwrap();
-        assert!(
-            (found - expected).abs() < 1e-13 * expected,
-            "{found} {expected}"
-        );
-        assert_eq!(pixel.variance_of(&weights, 0, 3), Some(0.0));
-        // one component alone: the variance that the image has
-        let alone = pixel.variance_of(&[0.0, 1.0, 0.0, 0.0], 1, 3).unwrap();
-        assert!((alone - pixel.estimate(1, 1, 3).1).abs() < 1e-15);
+        let variance = |weights: [f64; 4]| {
+            let value = |s: Vec4| (0..4).map(|k| weights[k] * f64::from(s[k])).sum::<f64>();
+            let blocks: Vec<f64> = samples[..6]
+                .chunks(2)
+                .map(|b| 0.5 * (value(b[0]) + value(b[1])))
+                .collect();
+            let mean = blocks.iter().sum::<f64>() / 3.0;
+            // of a block's mean; that of the mean of all falls as the number of samples
+            let of_one = blocks.iter().map(|b| (b - mean).powi(2)).sum::<f64>() / 2.0;
+            of_one * 2.0 / 7.0
+        };
+        let weights = [0.5, -0.25, 2.0, 1.0];
+        let (found, expected) = (pixel.variance_of(&weights, 1, count), variance(weights));
+        assert!(found.is_some_and(|f| (f / expected - 1.0).abs() < 1e-12));
+        assert_eq!(pixel.variance_of(&weights, 0, count), Some(0.0));
+        // one component alone: the mean and the variance that the image has
+        let (mean, alone) = pixel.estimate(1, 1, count);
+        let expected = samples.iter().map(|s| f64::from(s.y)).sum::<f64>() / 7.0;
+        assert!((mean - expected).abs() < 1e-15);
+        assert!((alone / variance([0.0, 1.0, 0.0, 0.0]) - 1.0).abs() < 1e-12);
     }
 
     #[test]
-    fn a_film_without_products_knows_no_variance_of_sums() {
-        let film = film(false);
-        let tiles = film.tiles(1, false);
-        assert_eq!(tiles[0].pixel(0, 0, 1).variance_of(&[1.0; 4], 0, 9), None);
+    fn one_block_tells_no_variance_and_neither_does_a_film_without_products() {
+        let mut tiles = film(false).tiles(2, false);
+        for _ in 0..3 {
+            add(&mut tiles[0], 0, 0, Vec4::ONE, false);
+        }
+        let pixel = tiles[0].pixel(0, 0, 2);
+        let count = |block| Count { samples: 3, block };
+        assert_eq!(pixel.estimate(0, 1, count(2)), (1.0, f64::INFINITY));
+        assert_eq!(pixel.variance_of(&[1.0; 4], 0, count(1)), None);
+    }
+
+    #[test]
+    fn what_is_not_finite_is_left_out() {
+        let mut colours = SampleColours::new(1);
+        colours.add(0, vec4(1.0, f32::NAN, 0.0, 0.0));
+        let mut sums = SampleSums::new(1);
+        assert!(!sums.add(&colours));
+        assert_eq!(sums.sums, [[0.0; 4]]);
     }
 }

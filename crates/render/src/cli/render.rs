@@ -292,6 +292,9 @@ fn load(args: &Args) -> Result<(Job, Vec<String>), Failure> {
         follow_polarization: !args.unpolarized && needs.polarization(),
         coherence: args.coherence.map(|separation| separation.0),
         samples,
+        block: args
+            .sampler
+            .block(samples, args.time.is_some() || args.target_error.is_some()),
         seed: args.seed,
         ..Job::new(built, mode)
     };
@@ -312,8 +315,8 @@ fn to_image(args: &Args, job: &Job, rendering: &Rendering) -> StokesImage {
     let mut image = StokesImage::new(width, height, rendering.components(), colour);
     let (means, variances) = rendering.image();
     image.stokes = means;
-    // one sample has no variance
-    image.variance = (rendering.samples > 1).then_some(variances);
+    // one block has no variance
+    image.variance = (rendering.count.blocks() > 1).then_some(variances);
     image.coherence = rendering.coherence();
     image.metadata = metadata(args, job, rendering);
     image
@@ -343,7 +346,8 @@ fn metadata(
     [
         ("scene", args.scene.display().to_string()),
         ("seed", job.seed.to_string()),
-        ("samples", rendering.samples.to_string()),
+        ("samples", rendering.count.samples.to_string()),
+        ("samplesPerBlock", rendering.count.block.to_string()),
         ("wavelengths", wavelengths),
         ("sensor", job.camera.describe().to_owned()),
         ("frame", job.camera.frame().to_owned()),
@@ -370,11 +374,15 @@ fn tell(output: &Path, rendering: &Rendering, elapsed: Duration) {
     } else {
         ""
     };
+    let error = if rendering.error().is_finite() {
+        format!("{:.2} %", 100.0 * rendering.error())
+    } else {
+        "unknown".to_owned()
+    };
     eprintln!(
-        "{}: {} spp{stopped}, error {:.2} %, {:.2} Mpaths/s, {:.1} s",
+        "{}: {} spp{stopped}, error {error}, {:.2} Mpaths/s, {:.1} s",
         output.display(),
-        rendering.samples,
-        100.0 * rendering.error(),
+        rendering.count.samples,
         rendering.counters.paths as f64 / rendering.wall.as_secs_f64().max(1e-9) / 1e6,
         elapsed.as_secs_f64()
     );
@@ -391,7 +399,7 @@ fn print_json(rendering: &Rendering, threads: usize, wall: Duration, cpu: Durati
     let line = serde_json::json!({
         "paths": rendering.counters.paths,
         "rays": rendering.counters.rays,
-        "samples": rendering.samples,
+        "samples": rendering.count.samples,
         "paths_per_s": rate(rendering.counters.paths),
         "rays_per_s": rate(rendering.counters.rays),
         "sampling_wall_s": rendering.wall.as_secs_f64(),

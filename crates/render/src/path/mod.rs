@@ -8,8 +8,9 @@
 //! few all of them are summed and only visibility is left to chance. Rays that hit a patch use the same average, and
 //! the weights of both are constant on a patch, so that the expected image does not depend on the cut.
 //!
-//! `connect.rs` looks for light from a vertex, `lobe.rs` from one that answers to coherence, `hit.rs` takes what a ray has met, `way.rs` follows specular matter, `witness.rs`
-//! asks where the light came from, `plane.rs` begins paths on a bare sensor plane.
+//! `connect.rs` looks for light from a vertex, `lobe.rs` from one that answers to coherence, `hit.rs` takes what a ray has
+//! met, `way.rs` follows specular matter, `witness.rs` asks where the light came from, `plane.rs` begins paths on a bare
+//! sensor plane.
 
 mod connect;
 mod hit;
@@ -129,10 +130,10 @@ pub fn trace<L: Light, W: Witness>(
     // the compiler makes one walk for each kind of scene
     if scene.traits().coherent {
         Walk::<L, W, true>::new(scene, options, &sample, stack, counters, witness)
-            .begin(&sample.start)
+            .follow(&sample.start)
     } else {
         Walk::<L, W, false>::new(scene, options, &sample, stack, counters, witness)
-            .begin(&sample.start)
+            .follow(&sample.start)
     }
 }
 
@@ -159,24 +160,26 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
         }
     }
 
+    /// The light that a path from its start collects.
     #[inline]
-    fn begin(mut self, start: &Start<'_>) -> L::Stokes {
+    fn follow(mut self, start: &Start<'_>) -> L::Stokes {
         match start {
             Start::Ray { ray, axis } => {
                 self.way.begin(ray.direction);
-                self.run(*ray, L::identity(*axis), None)
+                self.run(*ray, L::identity(*axis), None);
+                self.seen
             }
-            Start::Plane(point) => self.run_from_plane(point),
+            Start::Plane(point) => {
+                if let Some((ray, throughput, origin)) = self.leave_plane(point) {
+                    self.run(ray, throughput, Some(origin));
+                }
+                self.seen_in(point.scale)
+            }
         }
     }
 
     #[inline(never)]
-    fn run(
-        mut self,
-        mut ray: Ray,
-        mut throughput: L::Throughput,
-        mut origin: Option<Origin>,
-    ) -> L::Stokes {
+    fn run(&mut self, mut ray: Ray, mut throughput: L::Throughput, mut origin: Option<Origin>) {
         let (scene, options) = (self.scene, self.options);
         let mut waiting: Option<Waiting<'a>> = None;
         // ratio of the indices along the path: roulette looks at power, not at radiance
@@ -365,7 +368,6 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
                 break;
             }
         }
-        self.seen
     }
 
     /// What the vertex behind makes of light along local `i`, its axes in the world, and the density of the direction.

@@ -39,20 +39,19 @@ pub struct PlanePoint<'a> {
 const DIMENSIONS: u32 = 1 << 31;
 
 impl<L: Light, W: Witness, const WAVES: bool> Walk<'_, L, W, WAVES> {
-    /// The path of one sample of the plane.
-    #[inline(never)]
-    pub(super) fn run_from_plane(mut self, point: &PlanePoint<'_>) -> L::Stokes {
-        let collected = match self.leave_plane(point) {
-            Some((ray, throughput, origin)) => self.run(ray, throughput, Some(origin)),
-            None => self.seen,
-        };
+    /// What the path has collected where its throughput counts in `scale`.
+    pub(super) fn seen_in(&self, scale: f32) -> L::Stokes {
         let mut seen = L::dark();
-        L::accumulate(&mut seen, collected, point.scale);
+        L::accumulate(&mut seen, self.seen, scale);
         seen
     }
 
     /// Takes the light that emitters send straight to the plane, and draws the direction in which the path goes on.
-    fn leave_plane(&mut self, point: &PlanePoint<'_>) -> Option<(Ray, L::Throughput, Origin)> {
+    #[inline(never)]
+    pub(super) fn leave_plane(
+        &mut self,
+        point: &PlanePoint<'_>,
+    ) -> Option<(Ray, L::Throughput, Origin)> {
         let surface = &point.surface;
         let frame = surface.frame;
         let vertex = Vertex {
@@ -68,20 +67,19 @@ impl<L: Light, W: Witness, const WAVES: bool> Walk<'_, L, W, WAVES> {
         // a link from the plane to a light source is the first
         let links = self.options.max_depth.checked_sub(1)?;
         let [choice, drawn] = self.stream.pair(DIMENSIONS);
-        if let Some((emitter, share)) = self.scene.choose_emitter(choice) {
-            let place = connect::Place {
-                material: point.detector,
-                surface,
-                vertex: &vertex,
-                lit_frame: &frame,
-                lobe: None,
-                room: links,
-            };
-            let u = self.stream.pair(DIMENSIONS + 2);
-            self.connect_point(&throughput, &place, emitter, share, u);
-        }
-
+        let [spare, _] = self.stream.pair(DIMENSIONS + 2);
+        let place = connect::Place {
+            material: point.detector,
+            surface,
+            vertex: &vertex,
+            lit_frame: &frame,
+            lobe: None,
+            room: links,
+        };
         let [u, v] = self.stream.pair(DIMENSIONS + 4);
+        self.connect(&throughput, &place, choice, [u, v, spare]);
+
+        let [u, v] = self.stream.pair(DIMENSIONS + 6);
         let departure = point
             .detector
             .sample(&vertex, self.wavelengths, [drawn, u, v])?;

@@ -1,0 +1,225 @@
+//! One thread at work: camera samples of the pixels of a tile.
+
+use super::Job;
+use crate::colour::{rgb_weights, sample_wavelength};
+use crate::film::{SampleColours, SampleSums, SpectralMode, TileSums};
+use crate::filter::FilterSampler;
+use crate::geometry::bvh::Stack;
+use crate::light::{Intensity, Light, Polarized};
+use crate::path::witness::{CoherenceSums, Listener, View};
+use crate::path::{CameraSample, Counters, Start, trace};
+use crate::sampler::SampleStream;
+
+/// Adds a range of samples to every pixel of a tile.
+pub(super) fn tile_pass(
+    job: &Job,
+    filter: &FilterSampler,
+    tile: &mut TileSums,
+    range: std::ops::Range<u64>,
+    stack: &mut Stack,
+) -> (Counters, u64) {
+    match (&job.mode, job.follow_polarization) {
+        (SpectralMode::Single(_), false) => {
+            Worker::<Intensity<1>>::new(job, filter).run(tile, range, stack)
+        }
+        (SpectralMode::Single(_), true) => {
+            Worker::<Polarized<1>>::new(job, filter).run(tile, range, stack)
+        }
+        // directions that depend on the wavelength: a path for each
+        (_, false) if job.scene.traits().disperses => {
+            Worker::<Intensity<1>>::new(job, filter).run(tile, range, stack)
+        }
+        (_, true) if job.scene.traits().disperses => {
+            Worker::<Polarized<1>>::new(job, filter).run(tile, range, stack)
+        }
+        (_, false) => Worker::<Intensity<4>>::new(job, filter).run(tile, range, stack),
+        (_, true) => Worker::<Polarized<4>>::new(job, filter).run(tile, range, stack),
+    }
+}
+
+/// Wavelengths of a camera sample in colour, evenly apart: as many as a path carries, or a path each.
+const PER_SAMPLE: usize = 4;
+
+/// One thread at work on one tile.
+struct Worker<'a, L: Light> {
+    job: &'a Job,
+    filter: &'a FilterSampler,
+    counters: Counters,
+    light: std::marker::PhantomData<L>,
+}
+
+impl<'a, L: Light> Worker<'a, L> {
+    fn new(job: &'a Job, filter: &'a FilterSampler) -> Self {
+        Self {
+            job,
+            filter,
+            counters: Counters::default(),
+            light: std::marker::PhantomData,
+        }
+    }
+
+    fn run(
+        mut self,
+        tile: &mut TileSums,
+        range: std::ops::Range<u64>,
+        stack: &mut Stack,
+    ) -> (Counters, u64) {
+        let mut colours = SampleColours::new(self.job.mode.colours());
+        let mut block = SampleSums::new(self.job.mode.colours());
+        let mut rejected = 0;
+        for (x, y) in tile.pixels() {
+            tile.open(x, y, &mut block);
+            for sample in range.clone() {
+                colours.clear();
+                let coherence = self.sample(x, y, sample, &mut colours, stack);
+                if let Some(coherence) = coherence {
+                    tile.add_coherence(x, y, &coherence);
+                }
+                if !block.add(&colours) {
+                    rejected += 1;
+                }
+                if (sample + 1) % self.job.block == 0 {
+                    tile.close(x, y, &mut block);
+                }
+            }
+            tile.keep(x, y, &block);
+        }
+        (self.counters, rejected)
+    }
+
+    /// One camera sample of the pixel at (x, y) of the crop window; also its coherence, if that is asked for.
+    fn sample(
+        &mut self,
+        x: u32,
+        y: u32,
+        sample: u64,
+        colours: &mut SampleColours,
+        stack: &mut Stack,
+    ) -> Option<CoherenceSums> {
+        let job = self.job;
+        let film = &job.film;
+        let (column, row) = (x + film.crop_offset[0], y + film.crop_offset[1]);
+        // numbered on the whole film: a crop shows the same samples as the whole image
+        let pixel = u64::from(row) * u64::from(film.size[0]) + u64::from(column);
+        let stream = SampleStream::in_block(job.seed, pixel, sample, job.block);
+        let [u, v] = stream.pair(0);
+        let end = [0, 1].map(|axis| film.crop_offset[axis] + film.crop_size[axis]);
+        let film_x = self.filter.position(column, u, film.crop_offset[0], end[0]);
+        let film_y = self.filter.position(row, v, film.crop_offset[1], end[1]);
+        let start = job.camera.start(film_x, film_y);
+        let [u, _] = stream.pair(2);
+        let mut ear = job.coherence.map(|separation| Ear {
+            job,
+            view: job.camera.view(column, row),
+            start: job.camera.start(column as f32 + 0.5, row as f32 + 0.5),
+            separation,
+            stream: SampleStream::in_block(!job.seed, pixel, sample, job.block),
+            sums: CoherenceSums::default(),
+        });
+        // weights are those of the wavelengths in the coherence
+        let mut path = |wavelengths: &[f32], weight: &dyn Fn(usize) -> f32| {
+            if let Some(ear) = &mut ear {
+                ear.listen::<L>(wavelengths, weight, stack, &mut self.counters);
+            }
+            let camera = CameraSample {
+                start,
+                wavelengths,
+                stream,
+            };
+            trace::<L, ()>(
+                &job.scene,
+                &job.paths,
+                camera,
+                stack,
+                &mut self.counters,
+                &mut (),
+            )
+        };
+        match &job.mode {
+            SpectralMode::Single(wavelength) => {
+                colours.add(0, path(&[*wavelength as f32], &|_| 1.0).as_ref()[0]);
+            }
+            SpectralMode::Bands { from, to, count } => {
+                let width = (to - from) / *count as f64;
+                // the same place within every band; the last path may have lanes left over
+                for first in (0..*count).step_by(L::LANES) {
+                    let wavelengths = L::lanes(|lane| {
+                        let band = (first + lane).min(count - 1);
+                        (from + width * (band as f64 + f64::from(u))) as f32
+                    });
+                    let seen = path(wavelengths.as_ref(), &|lane| {
+                        f32::from(first + lane < *count)
+                    });
+                    for (lane, stokes) in seen.as_ref().iter().enumerate().take(count - first) {
+                        colours.add(first + lane, *stokes);
+                    }
+                }
+            }
+            SpectralMode::Rgb => {
+                let drawn: [(f32, f32); PER_SAMPLE] = std::array::from_fn(|k| {
+                    sample_wavelength((u + k as f32 / PER_SAMPLE as f32).fract())
+                });
+                for drawn in drawn.chunks(L::LANES) {
+                    let wavelengths = L::lanes(|lane| drawn[lane].0);
+                    let seen = path(wavelengths.as_ref(), &|lane| {
+                        luminance(drawn[lane].0) / drawn[lane].1
+                    });
+                    for (stokes, &(wavelength, density)) in seen.as_ref().iter().zip(drawn) {
+                        let weight = (density * PER_SAMPLE as f32).recip();
+                        colours.add_spectral(*stokes, wavelength, weight);
+                    }
+                }
+            }
+        }
+        ear.map(|ear| ear.sums)
+    }
+}
+
+/// What the eye makes of a wavelength in nm, Rec. 709.
+fn luminance(wavelength: f32) -> f32 {
+    let [r, g, b] = rgb_weights(wavelength);
+    (0.2126 * r + 0.7152 * g + 0.0722 * b).max(0.0)
+}
+
+/// Listens for the coherence of a camera sample, along a path of its own from the middle of the pixel: over the whole
+/// pixel the light's mean direction varies, and that is not its coherence.
+struct Ear<'a> {
+    job: &'a Job,
+    view: View,
+    start: Start<'a>,
+    separation: [f64; 2],
+    stream: SampleStream,
+    sums: CoherenceSums,
+}
+
+impl Ear<'_> {
+    fn listen<L: Light>(
+        &mut self,
+        wavelengths: &[f32],
+        weight: &dyn Fn(usize) -> f32,
+        stack: &mut Stack,
+        counters: &mut Counters,
+    ) {
+        let lanes: [(f64, f64); PER_SAMPLE] = std::array::from_fn(|lane| {
+            wavelengths.get(lane).map_or((0.0, 0.0), |nm| {
+                let k = std::f64::consts::TAU / (f64::from(*nm) * 1e-9);
+                (k, f64::from(weight(lane)))
+            })
+        });
+        let mut listener = Listener::new(&self.view, &lanes, self.separation);
+        let camera = CameraSample {
+            start: self.start,
+            wavelengths,
+            stream: self.stream,
+        };
+        trace::<L, _>(
+            &self.job.scene,
+            &self.job.paths,
+            camera,
+            stack,
+            counters,
+            &mut listener,
+        );
+        self.sums.merge(&listener.sums);
+    }
+}

@@ -1,0 +1,122 @@
+//! Points of the first two Sobol' dimensions, Owen-scrambled and in a shuffled order: eight binary digits of each.
+//!
+//! A block has at most 256 points, so that only the first eight digits can be stratified; those that follow are random,
+//! which is what Owen's scrambling would make of them. Every point by itself is uniform, any block of 2ᵐ points puts one
+//! into each elementary interval of area 2⁻ᵐ, and different scrambles are independent as far as their hash is.
+//!
+//! Source: Owen, Randomly Permuted (t,m,s)-Nets and (t,s)-Sequences, 1995; hash-based scrambling and shuffling: Burley,
+//! Practical Hash-based Owen Scrambling, JCGT 9(4), 2020; the permutation: Laine and Karras, Stratified Sampling for
+//! Stochastic Transparency, EGSR 2011, with Vegdahl's constants.
+
+/// Most points that are stratified together.
+pub const LARGEST_BLOCK: u64 = 256;
+
+/// Eight digits, the other way round.
+const REVERSED: [u8; 256] = {
+    let mut table = [0; 256];
+    let mut i = 0;
+    while i < 256 {
+        table[i] = (i as u8).reverse_bits();
+        i += 1;
+    }
+    table
+};
+
+/// The second Sobol' dimension, digits the other way round; the first is the index itself, so read.
+const SECOND: [u8; 256] = {
+    let mut table = [0; 256];
+    let mut i = 0;
+    while i < 256 {
+        // columns of Pascal's triangle modulo 2, from the binary digits of the index
+        let (mut column, mut digits, mut sum) = (0x80u8, i as u8, 0u8);
+        while digits != 0 {
+            if digits & 1 != 0 {
+                sum ^= column;
+            }
+            column ^= column >> 1;
+            digits >>= 1;
+        }
+        table[i] = sum.reverse_bits();
+        i += 1;
+    }
+    table
+};
+
+/// A permutation of eight digits in which each digit depends on the lower ones alone; `seed` chooses it.
+#[inline]
+fn permuted(x: u8, seed: u32) -> u8 {
+    let mut x = u32::from(x);
+    x ^= x.wrapping_mul(0x3d20_adea);
+    x = x.wrapping_add(seed);
+    x = x.wrapping_mul((seed >> 16) | 1);
+    x ^= x.wrapping_mul(0x0552_6c56);
+    x ^= x.wrapping_mul(0x53a2_2864);
+    x as u8
+}
+
+/// The first eight digits of both coordinates of point `index` of a block; `seeds` choose order and scrambling.
+#[inline]
+pub(super) fn point(index: u8, seeds: [u32; 3]) -> [u8; 2] {
+    let shuffled = REVERSED[usize::from(permuted(REVERSED[usize::from(index)], seeds[0]))];
+    let scrambled = |digits: u8, seed: u32| REVERSED[usize::from(permuted(digits, seed))];
+    [
+        scrambled(shuffled, seeds[1]),
+        scrambled(SECOND[usize::from(shuffled)], seeds[2]),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Some seeds that have nothing to do with each other.
+    fn seeds(n: u32) -> [u32; 3] {
+        [1, 2, 3].map(|k| (n * 3 + k).wrapping_mul(0x9e37_79b9).rotate_left(7))
+    }
+
+    #[test]
+    fn blocks_of_every_size_put_one_point_into_each_elementary_interval() {
+        for m in 0..=8u32 {
+            for n in 0..50 {
+                let points: Vec<_> = (0..1u32 << m).map(|i| point(i as u8, seeds(n))).collect();
+                for across in 0..=m {
+                    let mut cells: Vec<u32> = points
+                        .iter()
+                        .map(|&[x, y]| {
+                            let column = u32::from(x) >> (8 - across);
+                            let row = u32::from(y) >> (8 - (m - across));
+                            column << (m - across) | row
+                        })
+                        .collect();
+                    cells.sort_unstable();
+                    assert!(
+                        cells.into_iter().eq(0..1 << m),
+                        "2^{m} points, {across} columns"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_point_is_uniform_over_the_seeds() {
+        for index in [0, 1, 77, 255] {
+            let mut counts = [[0u32; 16]; 2];
+            let n = 160_000;
+            for k in 0..n {
+                for (axis, digits) in point(index, seeds(k)).into_iter().enumerate() {
+                    counts[axis][usize::from(digits >> 4)] += 1;
+                }
+            }
+            for bins in counts {
+                let expected = f64::from(n) / 16.0;
+                let chi: f64 = bins
+                    .iter()
+                    .map(|&b| (f64::from(b) - expected).powi(2) / expected)
+                    .sum();
+                // the 1e-6 quantile of χ²(15)
+                assert!(chi < 56.5, "{index}: {chi}");
+            }
+        }
+    }
+}
