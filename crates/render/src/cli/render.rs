@@ -61,8 +61,8 @@ pub struct Args {
     /// Half-width of emitter patches, in widths of the lobe that sees them; 0: single points [default: the scene's, or 0.5]
     #[arg(long, value_name = "R", value_parser = parse_patch)]
     patch: Option<f32>,
-    /// Also the coherence of each pixel's light where it first meets matter that is not specular: ellipse, and degree at
-    /// this separation toward image right, or right and up
+    /// Also the coherence of each pixel's light where it first meets matter that is not specular, or on a bare sensor
+    /// plane: ellipse, and degree at this separation toward image right, or right and up
     #[arg(
         long,
         value_name = "10um[,5um]",
