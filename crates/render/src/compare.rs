@@ -63,6 +63,9 @@ pub struct Row {
     pub block5_frac: f64,
 }
 
+/// Fewer renders or blocks of samples than this tell the variance of a pixel poorly.
+const FEW: u64 = 16;
+
 /// Numbers of a Stokes image in double precision, as the comparison reads them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {
@@ -84,16 +87,16 @@ impl Field {
         Self::new(image, image.stokes.iter().map(|&v| f64::from(v)).collect())
     }
 
-    /// The standard errors of an image, where it has variances.
+    /// The standard errors of an image, where it has variances; from few blocks of samples as in [`mean_of_seeds`].
     pub fn standard_errors(image: &StokesImage) -> Option<Self> {
         let variance = image.variance.as_ref()?;
-        Some(Self::new(
-            image,
-            variance
-                .iter()
-                .map(|&v| f64::from(v).max(0.0).sqrt())
-                .collect(),
-        ))
+        let variance = variance.iter().map(|&v| f64::from(v).max(0.0)).collect();
+        let mut field = Self::new(image, variance);
+        if image.blocks().is_some_and(|blocks| blocks < FEW) {
+            field.values = raised_to_neighbourhood(&field);
+        }
+        field.values.iter_mut().for_each(|v| *v = v.sqrt());
+        Some(field)
     }
 
     fn new(image: &StokesImage, values: Vec<f64>) -> Self {
@@ -190,8 +193,8 @@ impl Field {
 
 /// Mean of several renders of one scene, and the standard error of that mean.
 ///
-/// Fewer than 16 renders give a poor estimate per pixel: each variance is then raised to the mean of its 5×5 neighbourhood
-/// where that is greater. `renders` holds two fields or more of one shape.
+/// Few renders give a poor estimate per pixel: each variance is then raised to the mean of its 5×5 neighbourhood where that
+/// is greater. `renders` holds two fields or more of one shape.
 pub fn mean_of_seeds(renders: &[Field]) -> (Field, Field) {
     let n = renders.len() as f64;
     let first = &renders[0];
@@ -205,7 +208,7 @@ pub fn mean_of_seeds(renders: &[Field]) -> (Field, Field) {
         (mean, variance / n)
     };
     let (mean, mut variance): (Vec<f64>, Vec<f64>) = (0..first.values.len()).map(moments).unzip();
-    if renders.len() < 16 {
+    if (renders.len() as u64) < FEW {
         variance = raised_to_neighbourhood(&first.map(variance));
     }
     (

@@ -161,6 +161,32 @@ fn three_colours_agree_with_numpy() {
 }
 
 #[test]
+fn few_blocks_of_samples_lean_on_the_neighbourhood() {
+    use crate::image::{Colour, SAMPLES, SAMPLES_PER_BLOCK};
+    let colour = Colour::Mono {
+        wavelength_nm: None,
+    };
+    let mut image = StokesImage::new(3, 3, 1, colour);
+    // one pixel of nine seems noisy
+    let mut variance = vec![1.0; 9];
+    variance[4] = 10.0;
+    image.variance = Some(variance);
+    let errors = |image: &StokesImage| Field::standard_errors(image).unwrap().values;
+    assert_eq!(errors(&image)[0], 1.0);
+    for (block, blocks, corner) in [("4", 16, 1.0), ("8", 8, 1.36f64.sqrt())] {
+        image.metadata.insert(SAMPLES.to_owned(), "64".to_owned());
+        image
+            .metadata
+            .insert(SAMPLES_PER_BLOCK.to_owned(), block.to_owned());
+        assert_eq!(image.blocks(), Some(blocks));
+        // around a corner of 3 × 3 the rim counts again: the middle once among 25
+        let found = errors(&image);
+        assert!((found[0] - corner).abs() < 1e-12, "{found:?}");
+        assert_eq!(found[4], 10f64.sqrt());
+    }
+}
+
+#[test]
 fn the_mean_of_seeds_agrees_with_numpy() {
     let [t, r, _, sr] = specimen(1);
     let shifted = |f: &dyn Fn(usize) -> f64| {

@@ -79,6 +79,12 @@ pub struct StokesImage {
     pub metadata: BTreeMap<String, String>,
 }
 
+/// Metadata key of the samples a pixel.
+pub const SAMPLES: &str = "samples";
+
+/// Metadata key of how many of them are stratified together: blocks of them are independent.
+pub const SAMPLES_PER_BLOCK: &str = "samplesPerBlock";
+
 impl StokesImage {
     /// A black image without variances and metadata.
     pub fn new(width: usize, height: usize, components: usize, colour: Colour) -> Self {
@@ -93,6 +99,12 @@ impl StokesImage {
             coherence: None,
             metadata: BTreeMap::new(),
         }
+    }
+
+    /// Independent blocks of samples that its variance comes from, where the metadata tell.
+    pub fn blocks(&self) -> Option<u64> {
+        let number = |key: &str| self.metadata.get(key)?.parse::<u64>().ok();
+        number(SAMPLES)?.checked_div(number(SAMPLES_PER_BLOCK)?)
     }
 
     /// Where the number of a component and a colour of pixel (x, y) lies in `stokes`.

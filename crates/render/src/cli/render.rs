@@ -15,7 +15,7 @@ use super::{Failure, Outcome};
 use crate::analyzer::{self, Destination, Incident};
 use crate::engine::{self, Job, Limits, Rendering};
 use crate::film::SpectralMode;
-use crate::image::{Colour, StokesImage};
+use crate::image::{Colour, SAMPLES, SAMPLES_PER_BLOCK, StokesImage};
 use crate::maps::{self, MapOptions};
 use crate::needs::Needs;
 use crate::output::{self, ImageError, WriteOptions};
@@ -346,8 +346,8 @@ fn metadata(
     [
         ("scene", args.scene.display().to_string()),
         ("seed", job.seed.to_string()),
-        ("samples", rendering.count.samples.to_string()),
-        ("samplesPerBlock", rendering.count.block.to_string()),
+        (SAMPLES, rendering.count.samples.to_string()),
+        (SAMPLES_PER_BLOCK, rendering.count.block.to_string()),
         ("wavelengths", wavelengths),
         ("sensor", job.camera.describe().to_owned()),
         ("frame", job.camera.frame().to_owned()),
