@@ -256,19 +256,9 @@ impl Matter for Birefringent {
         }
         let reflected = self.reflected_share(o.z.abs().min(1.0), wavelengths[0]);
         Some(if u[0] < reflected {
-            Departure {
-                direction: mirror(o, Vec3A::Z),
-                density: reflected,
-                part: Part::Discrete(0),
-                eta: 1.0,
-            }
+            Departure::mirrored(o, reflected)
         } else {
-            Departure {
-                direction: -o,
-                density: 1.0 - reflected,
-                part: Part::Straight,
-                eta: 1.0,
-            }
+            Departure::straight(o, 1.0 - reflected)
         })
     }
 

@@ -193,12 +193,11 @@ impl Matter for Grating {
         }
         let i = tangential.extend(cos2.sqrt().copysign(order.side));
         let density = self.density(&view, i, o);
-        (density > 0.0 && density.is_finite()).then_some(Departure {
-            direction: i.as_vec3a().normalize(),
-            density: density as f32,
-            part: Part::Continuous,
-            eta: (order.index / n_o) as f32,
-        })
+        Departure::continuous(
+            i.as_vec3a().normalize(),
+            density as f32,
+            (order.index / n_o) as f32,
+        )
     }
 
     fn respond<L: Light>(

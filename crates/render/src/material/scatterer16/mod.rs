@@ -365,12 +365,7 @@ impl Matter for Scatterer16 {
         let up = (o.z > 0.0) != transmits;
         let direction = lobe.sample(o, up, k, [u[1], u[2]])?;
         let density = self.density(o, direction, k, &intensities) as f32;
-        (density > 0.0 && density.is_finite()).then_some(Departure {
-            direction,
-            density,
-            part: Part::Continuous,
-            eta: 1.0,
-        })
+        Departure::continuous(direction, density, 1.0)
     }
 
     fn respond<L: Light>(
