@@ -187,9 +187,9 @@ pub enum Material {
     /// Nothing.
     Null(null::Null),
     /// Thin films.
-    Layered(layered::Layered),
+    Layered(Box<layered::Layered>),
     /// Crystal plate.
-    Birefringent(birefringent::Birefringent),
+    Birefringent(Box<birefringent::Birefringent>),
     /// Optical activity.
     Rotator(rotator::Rotator),
     /// Any Mueller matrix.
@@ -297,6 +297,12 @@ pub trait Matter {
     fn check_wavelengths(&self, _: [f64; 2]) -> Result<(), SceneError> {
         Ok(())
     }
+
+    /// What the user should know of a rendering from the first to the second wavelength, nm, with the place in the scene
+    /// file.
+    fn doubts(&self, _: [f64; 2]) -> Vec<String> {
+        Vec::new()
+    }
 }
 
 impl Material {
@@ -362,6 +368,10 @@ impl Matter for Material {
 
     fn check_wavelengths(&self, range: [f64; 2]) -> Result<(), SceneError> {
         ask!(self, m => m.check_wavelengths(range))
+    }
+
+    fn doubts(&self, range: [f64; 2]) -> Vec<String> {
+        ask!(self, m => m.doubts(range))
     }
 }
 

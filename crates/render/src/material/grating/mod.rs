@@ -69,6 +69,16 @@ pub struct Grating {
     lines: Lines,
     lobes: Lobes,
     capped: bool,
+    doubts: [Doubt; 2],
+}
+
+/// Where scalar theory is not to be trusted.
+#[derive(Clone, Debug)]
+struct Doubt {
+    /// Wavelength beyond which, nm.
+    beyond: f64,
+    /// Why, and the place in the scene file.
+    text: String,
 }
 
 /// What the relief is made in.
@@ -268,5 +278,11 @@ impl Matter for Grating {
             disperses: true,
             ..Traits::default()
         }
+    }
+
+    fn doubts(&self, [_, longest]: [f64; 2]) -> Vec<String> {
+        // the graver first
+        let found = self.doubts.iter().find(|doubt| longest > doubt.beyond);
+        found.iter().map(|doubt| doubt.text.clone()).collect()
     }
 }
