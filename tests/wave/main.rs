@@ -11,6 +11,7 @@ mod given_matrices;
 mod grating;
 mod layered;
 mod mueller;
+mod partial_light;
 mod plastic;
 mod rhomb;
 mod roughdielectric;
