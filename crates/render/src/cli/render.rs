@@ -272,6 +272,8 @@ fn load(args: &Args) -> Result<(Job, Vec<String>), Failure> {
         SpectralMode::Single(args.wavelength.unwrap_or(550.0))
     };
     built.scene.check_wavelengths(mode.range()).map_err(wrong)?;
+    let mut notices = document.notices();
+    notices.extend(built.scene.doubts(mode.range()));
     let bytes = film.bytes(mode.colours(), args.coherence.is_some());
     if bytes > MOST_MEMORY {
         return Err(Failure::Usage(format!(
@@ -298,7 +300,7 @@ fn load(args: &Args) -> Result<(Job, Vec<String>), Failure> {
         seed: args.seed,
         ..Job::new(built, mode)
     };
-    Ok((job, document.notices()))
+    Ok((job, notices))
 }
 
 fn to_image(args: &Args, job: &Job, rendering: &Rendering) -> StokesImage {
