@@ -86,7 +86,10 @@ impl Library {
     unsafe fn get<F: Copy>(&self, name: &str) -> F {
         let symbol = CString::new(name).expect("names have no zero bytes");
         let found = unsafe { dlsym(self.0, symbol.as_ptr()) };
-        assert!(!found.is_null(), "no {name} in this library, expected Embree 4");
+        assert!(
+            !found.is_null(),
+            "no {name} in this library, expected Embree 4"
+        );
         assert_eq!(size_of::<F>(), size_of::<Pointer>());
         unsafe { std::mem::transmute_copy(&found) }
     }
@@ -105,7 +108,8 @@ impl Embree {
     pub fn build(library: &Library, mesh: &Mesh, robust: bool) -> Self {
         let (vertices, indices) = shared(mesh);
         unsafe {
-            let device = library.get::<unsafe extern "C" fn(*const c_char) -> Pointer>("rtcNewDevice")(
+            let device = library
+                .get::<unsafe extern "C" fn(*const c_char) -> Pointer>("rtcNewDevice")(
                 c"threads=2".as_ptr(),
             );
             assert!(!device.is_null(), "Embree has no device");
@@ -114,14 +118,15 @@ impl Embree {
                 "rtcSetDeviceMemoryMonitorFunction",
             )(device, count, std::ptr::null_mut());
             let before = BYTES.load(Ordering::Relaxed);
-            let scene = library.get::<unsafe extern "C" fn(Pointer) -> Pointer>("rtcNewScene")(device);
+            let scene =
+                library.get::<unsafe extern "C" fn(Pointer) -> Pointer>("rtcNewScene")(device);
             let flags = if robust { ROBUST } else { 0 };
             library.get::<unsafe extern "C" fn(Pointer, c_int)>("rtcSetSceneFlags")(scene, flags);
-            let geometry = library.get::<unsafe extern "C" fn(Pointer, c_int) -> Pointer>(
-                "rtcNewGeometry",
-            )(device, TRIANGLES);
-            type Buffer =
-                unsafe extern "C" fn(Pointer, c_int, u32, c_int, usize, usize) -> Pointer;
+            let geometry = library
+                .get::<unsafe extern "C" fn(Pointer, c_int) -> Pointer>("rtcNewGeometry")(
+                device, TRIANGLES,
+            );
+            type Buffer = unsafe extern "C" fn(Pointer, c_int, u32, c_int, usize, usize) -> Pointer;
             let buffer: Buffer = library.get("rtcSetNewGeometryBuffer");
             let to = buffer(geometry, VERTICES, 0, THREE_FLOATS, 12, vertices.len());
             std::ptr::copy_nonoverlapping(vertices.as_ptr(), to.cast(), vertices.len());
@@ -146,7 +151,11 @@ impl Embree {
     pub fn nearest(&self, ray: &Ray) -> f32 {
         let mut query = RayHit::new(ray);
         unsafe { (self.intersect)(self.scene, &mut query, std::ptr::null_mut()) };
-        if query.geometry == u32::MAX { f32::INFINITY } else { query.far }
+        if query.geometry == u32::MAX {
+            f32::INFINITY
+        } else {
+            query.far
+        }
     }
 
     #[inline]

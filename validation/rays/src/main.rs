@@ -33,7 +33,10 @@ fn cpu_time() -> f64 {
     unsafe extern "C" {
         fn clock_gettime(clock: i32, time: *mut Time) -> i32;
     }
-    let mut time = Time { seconds: 0, nanoseconds: 0 };
+    let mut time = Time {
+        seconds: 0,
+        nanoseconds: 0,
+    };
     // 3: of the thread
     unsafe { clock_gettime(3, &mut time) };
     time.seconds as f64 + 1e-9 * time.nanoseconds as f64
@@ -49,7 +52,10 @@ struct Random(u64);
 
 impl Random {
     fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         self.0 >> 33
     }
 
@@ -69,9 +75,8 @@ fn primary(scene: &Scene) -> Vec<Ray> {
         for place in 0..64 {
             let x = tile % (SIZE / 8) * 8 + place % 8;
             let y = tile / (SIZE / 8) * 8 + place / 8;
-            let on_film = |i: usize, u: f32| {
-                scene.tangent * (2.0 * (i as f32 + u) / SIZE as f32 - 1.0)
-            };
+            let on_film =
+                |i: usize, u: f32| scene.tangent * (2.0 * (i as f32 + u) / SIZE as f32 - 1.0);
             let (px, py) = (on_film(x, random.uniform()), on_film(y, random.uniform()));
             rays.push(Ray {
                 origin: scene.eye,
@@ -93,9 +98,16 @@ fn secondary(scene: &Scene, bvh: &Bvh, rays: &[Ray]) -> [Vec<Ray>; 3] {
         };
         let [a, b, c] = scene.mesh[hit.primitive as usize];
         let normal = (b - a).cross(c - a).normalize();
-        let normal = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
+        let normal = if normal.dot(ray.direction) > 0.0 {
+            -normal
+        } else {
+            normal
+        };
         let origin = ray.origin + ray.direction * hit.t + normal * 1e-4;
-        let (z, phi) = (1.0 - 2.0 * random.uniform(), std::f32::consts::TAU * random.uniform());
+        let (z, phi) = (
+            1.0 - 2.0 * random.uniform(),
+            std::f32::consts::TAU * random.uniform(),
+        );
         let r = (1.0 - z * z).sqrt();
         let sphere = Vec3A::new(r * phi.cos(), r * phi.sin(), z);
         bounces.push(Ray {
@@ -104,7 +116,11 @@ fn secondary(scene: &Scene, bvh: &Bvh, rays: &[Ray]) -> [Vec<Ray>; 3] {
             t_max: f32::INFINITY,
         });
         let (centre, half) = scene.light;
-        let offset = Vec3A::new(2.0 * random.uniform() - 1.0, 0.0, 2.0 * random.uniform() - 1.0);
+        let offset = Vec3A::new(
+            2.0 * random.uniform() - 1.0,
+            0.0,
+            2.0 * random.uniform() - 1.0,
+        );
         shadows.push(Ray {
             origin,
             direction: centre + offset * half - origin,
@@ -151,7 +167,11 @@ fn options() -> Result<Options, String> {
             }
             "--rounds" => found.rounds = number(&value()?)?,
             "--portable" => found.portable = true,
-            _ => return Err(format!("unknown option '{word}', expected --embree, --triangles, --rounds or --portable")),
+            _ => {
+                return Err(format!(
+                    "unknown option '{word}', expected --embree, --triangles, --rounds or --portable"
+                ));
+            }
         }
     }
     Ok(found)
@@ -161,7 +181,12 @@ fn measure(scene: &Scene, options: &Options) {
     let primitives: Vec<Primitive> = scene
         .mesh
         .iter()
-        .map(|&corners| Primitive::Flat(Flat { corners, parallelogram: false }))
+        .map(|&corners| {
+            Primitive::Flat(Flat {
+                corners,
+                parallelogram: false,
+            })
+        })
         .collect();
     let begin = Instant::now();
     let bvh = Bvh::build(&primitives);
@@ -170,7 +195,10 @@ fn measure(scene: &Scene, options: &Options) {
     let (nodes, blocks) = bvh.size();
     println!("\n{}: {nodes} nodes, {blocks} blocks\n", scene.name);
     println!("| tree | build, s | bytes a triangle |\n|---|---|---|");
-    println!("| Brewster | {built:.3} | {:.0} |", bytes(bvh.bytes() as f64));
+    println!(
+        "| Brewster | {built:.3} | {:.0} |",
+        bytes(bvh.bytes() as f64)
+    );
     let portable = options.portable.then(|| Bvh::build(&primitives).portable());
     let peers: Vec<(&str, Embree)> = options
         .library
@@ -180,7 +208,10 @@ fn measure(scene: &Scene, options: &Options) {
             let begin = Instant::now();
             let embree = Embree::build(library, &scene.mesh, robust);
             let built = begin.elapsed().as_secs_f64();
-            println!("| {name} | {built:.3} | {:.0} |", bytes(embree.bytes as f64));
+            println!(
+                "| {name} | {built:.3} | {:.0} |",
+                bytes(embree.bytes as f64)
+            );
             (name, embree)
         })
         .collect();
@@ -193,11 +224,14 @@ fn measure(scene: &Scene, options: &Options) {
         let mut stack = bvh.stack();
         if kind == 3 {
             pass(&sets[kind], |ray| {
-                f32::from(u8::from(bvh.traverse::<true>(ray, &mut stack, nothing).is_some()))
+                f32::from(u8::from(
+                    bvh.traverse::<true>(ray, &mut stack, nothing).is_some(),
+                ))
             })
         } else {
             pass(&sets[kind], |ray| {
-                bvh.traverse::<false>(ray, &mut stack, nothing).map_or(0.0, |hit| hit.t)
+                bvh.traverse::<false>(ray, &mut stack, nothing)
+                    .map_or(0.0, |hit| hit.t)
             })
         }
     };
@@ -228,7 +262,10 @@ fn measure(scene: &Scene, options: &Options) {
             }
         }
     }
-    let mut names: Vec<String> = peers.iter().map(|(name, _)| format!("time of {name} over ours")).collect();
+    let mut names: Vec<String> = peers
+        .iter()
+        .map(|(name, _)| format!("time of {name} over ours"))
+        .collect();
     names.extend(portable.iter().map(|_| "of portable".to_owned()));
     println!("\n| rays | 10⁶ a second | {} |", names.join(" | "));
     println!("{}|", "|---".repeat(2 + columns));
@@ -244,11 +281,16 @@ fn measure(scene: &Scene, options: &Options) {
     for (name, embree) in &peers {
         let mut stack = bvh.stack();
         let differing = sets[..3].iter().flatten().filter(|ray| {
-            let own = bvh.traverse::<false>(ray, &mut stack, nothing).map_or(f32::INFINITY, |h| h.t);
+            let own = bvh
+                .traverse::<false>(ray, &mut stack, nothing)
+                .map_or(f32::INFINITY, |h| h.t);
             let other = embree.nearest(ray);
             own != other && (own - other).abs() > 1e-6 + 1e-5 * own.min(other)
         });
-        println!("\n{} rays where {name} finds something else", differing.count());
+        println!(
+            "\n{} rays where {name} finds something else",
+            differing.count()
+        );
     }
 }
 
@@ -259,6 +301,9 @@ fn main() {
     });
     measure(&mesh::cornell(), &options);
     for &triangles in &options.triangles {
-        measure(&mesh::ball((triangles as f64 / 2.0).sqrt().round() as usize), &options);
+        measure(
+            &mesh::ball((triangles as f64 / 2.0).sqrt().round() as usize),
+            &options,
+        );
     }
 }

@@ -47,7 +47,15 @@ pub fn ball(n: usize) -> Scene {
     let mut mesh = Mesh::new();
     for i in 0..n {
         for j in 0..n {
-            quad(&mut mesh, [point(i, j), point(i, j + 1), point(i + 1, j + 1), point(i + 1, j)]);
+            quad(
+                &mut mesh,
+                [
+                    point(i, j),
+                    point(i, j + 1),
+                    point(i + 1, j + 1),
+                    point(i + 1, j),
+                ],
+            );
         }
     }
     cuboid(&mut mesh, Vec3A::ZERO, Vec3A::splat(2.5), 0.0);
@@ -67,10 +75,23 @@ pub fn cornell() -> Scene {
     cuboid(&mut mesh, Vec3A::ZERO, Vec3A::ONE, 0.0);
     // without the wall on the side of the eye, which is the last
     mesh.truncate(10);
-    cuboid(&mut mesh, Vec3A::new(-0.35, -0.4, -0.3), Vec3A::new(0.3, 0.6, 0.3), 0.3);
-    cuboid(&mut mesh, Vec3A::new(0.35, -0.7, 0.35), Vec3A::splat(0.3), -0.3);
+    cuboid(
+        &mut mesh,
+        Vec3A::new(-0.35, -0.4, -0.3),
+        Vec3A::new(0.3, 0.6, 0.3),
+        0.3,
+    );
+    cuboid(
+        &mut mesh,
+        Vec3A::new(0.35, -0.7, 0.35),
+        Vec3A::splat(0.3),
+        -0.3,
+    );
     let lamp = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
-    quad(&mut mesh, lamp.map(|(x, z)| Vec3A::new(0.25 * x, 0.99, 0.25 * z)));
+    quad(
+        &mut mesh,
+        lamp.map(|(x, z)| Vec3A::new(0.25 * x, 0.99, 0.25 * z)),
+    );
     Scene {
         name: format!("cornell, {} triangles", mesh.len()),
         mesh,

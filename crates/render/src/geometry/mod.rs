@@ -9,4 +9,6 @@ mod lanes;
 mod node;
 pub mod ray;
 mod simd;
+#[cfg(test)]
+mod tests;
 mod walk;

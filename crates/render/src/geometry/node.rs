@@ -111,7 +111,11 @@ impl<F: Copy> Slabs<F> {
         let (o, d, i) = (ray.origin, ray.direction, ray.direction.recip());
         let slab = |o, d, i| Slab::new(simd, [o, d, i], margin, widening);
         Self {
-            axes: [slab(o.x, d.x, i.x), slab(o.y, d.y, i.y), slab(o.z, d.z, i.z)],
+            axes: [
+                slab(o.x, d.x, i.x),
+                slab(o.y, d.y, i.y),
+                slab(o.z, d.z, i.z),
+            ],
             zero: simd.splat(0.0),
         }
     }
@@ -136,7 +140,10 @@ impl<F: Copy> Slab<F> {
             // of the inverse: a component of −0 runs toward −∞
             side: usize::from(inverse.is_sign_positive()),
             origin: [simd.splat(origin + widening), simd.splat(origin - widening)],
-            inverse: [simd.splat(inverse * (1.0 - slack)), simd.splat(inverse * (1.0 + slack))],
+            inverse: [
+                simd.splat(inverse * (1.0 - slack)),
+                simd.splat(inverse * (1.0 + slack)),
+            ],
         }
     }
 }

@@ -13,6 +13,19 @@ fn pair(near: f32, child: u32) -> u64 {
     u64::from(near.to_bits()) << 32 | u64::from(child)
 }
 
+impl Bvh {
+    /// Says that a child will be read soon.
+    #[inline(always)]
+    fn prefetch<S: Simd>(&self, simd: S, child: u32) {
+        let index = (child & !KIND) as usize;
+        if child < FLATS {
+            simd.prefetch(&self.nodes[index]);
+        } else if child < SHAPE {
+            simd.prefetch(&self.blocks[index]);
+        }
+    }
+}
+
 /// Visits what the ray may hit; with `ANY` the first hit ends the search.
 #[inline(always)]
 pub(super) fn walk<S: Simd, const ANY: bool>(
@@ -38,6 +51,9 @@ pub(super) fn walk<S: Simd, const ANY: bool>(
                 let mut next = || {
                     let lane = mask.trailing_zeros() as usize % WIDTH;
                     mask &= mask - 1;
+                    if !ANY || mask != 0 {
+                        bvh.prefetch(simd, node.children[lane]);
+                    }
                     (mask, pair(near[lane], node.children[lane]))
                 };
                 let (left, a) = next();
