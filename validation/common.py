@@ -39,6 +39,10 @@ def binary() -> str:
     return next(m["executable"] for m in messages if m.get("executable"))
 
 
+# for statements on single pixels: the variance of a few blocks of Sobol' points is told too roughly
+INDEPENDENT = ("--sampler", "independent")
+
+
 def render(scene: Path, out: Path, *options: str, program: str | None = None) -> dict[str, Any]:
     """Render `scene` to `out`, with `program` or `binary()`, and return what `--json` reports."""
     command = [

@@ -14,7 +14,7 @@ from pathlib import Path
 import colour.phenomena
 import numpy as np
 import tmm
-from common import Array, Report, arguments, read, render
+from common import INDEPENDENT, Array, Report, arguments, read, render
 
 ANGLES = (12.0, 40.0, 57.0, 75.0)
 WAVELENGTHS = (430.0, 550.0, 680.0)
@@ -113,7 +113,8 @@ def main() -> int:
                 path, out = Path(folder) / "scene.xml", Path(folder) / "image.exr"
                 path.write_text(scene(films, degrees))
                 for nm in WAVELENGTHS:
-                    render(path, out, "--spp", str(args.spp), "--wavelength", f"{nm}nm")
+                    options = ["--spp", str(args.spp), "--wavelength", f"{nm}nm"]
+                    render(path, out, *options, *INDEPENDENT)
                     image = read(out)
                     mean, variance = image.mean[0, 0, :, 0], image.variance[0, 0, :, 0]
                     noise = 5 * np.sqrt(variance) + ROUND_OFF

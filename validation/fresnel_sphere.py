@@ -14,7 +14,7 @@ from pathlib import Path
 import camera
 import numpy as np
 import optics
-from common import SCENES, Array, Report, arguments, blocks, read, render
+from common import INDEPENDENT, SCENES, Array, Report, arguments, blocks, read, render
 
 SIZE = (96, 96)
 DISTANCE = 4.0
@@ -58,6 +58,7 @@ def main() -> int:
             out = Path(folder) / "image.exr"
             size = f"{SIZE[0]}x{SIZE[1]}"
             options = ["--spp", str(args.spp), "--seed", str(args.seed), "--size", size]
+            options += INDEPENDENT
             render(SCENES / name / "scene.xml", out, *options)
             image = read(out)
         # every path of fresnel_sphere ends in S0 = 0 or 1

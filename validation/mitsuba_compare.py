@@ -13,7 +13,7 @@ from pathlib import Path
 
 import mitsuba_peer
 import numpy as np
-from common import REFERENCES, SCENES, Report, arguments, read, render, skip
+from common import INDEPENDENT, REFERENCES, SCENES, Report, arguments, read, render, skip
 
 SPECTRAL = {"cornell_spectral"}
 # Mitsuba does not project the axis of an oblique retarder (docs of `retarder`)
@@ -49,7 +49,8 @@ def main() -> int:
             theirs, ours = Path(folder) / "peer.npz", Path(folder) / "image.exr"
             options += ["--variant", variant, "--out", str(theirs)]
             mitsuba_peer.run(args.python, scene, *options)
-            render(scene, ours, "--spp", str(args.spp), *(["--rgb"] if spectral else []))
+            mode = ["--rgb"] if spectral else []
+            render(scene, ours, "--spp", str(args.spp), *INDEPENDENT, *mode)
             peer = np.load(theirs)
             stokes, error = peer["S"], peer["stderr"]
             image = read(ours)

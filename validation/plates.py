@@ -19,7 +19,7 @@ from pathlib import Path
 import camera
 import numpy as np
 import optics
-from common import SCENES, Array, Report, arguments, read, render
+from common import INDEPENDENT, SCENES, Array, Report, arguments, read, render
 from scipy import ndimage
 
 SUPERSAMPLES = 12
@@ -166,6 +166,7 @@ def main() -> int:
             out = Path(folder) / "image.exr"
             size = f"{view.size[0]}x{view.size[1]}"
             options = ["--spp", str(args.spp), "--seed", str(args.seed), "--size", size]
+            options += INDEPENDENT
             render(SCENES / name / "scene.xml", out, *options)
             image = read(out)
         # an edge lies between two samples in each of its pixels

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use brewster_tests::{Shot, mean, scene};
 use glam::DVec3;
 
-const LAMBDA: f64 = 550e-9;
+pub(crate) const LAMBDA: f64 = 550e-9;
 
 /// Mean of a one-pixel image and its standard error, with patches of the given size.
 fn seen(text: &str, spp: u64, patch: f32) -> (f64, f64) {
@@ -34,7 +34,7 @@ fn lamp(direction: DVec3, angle: f64) -> String {
 }
 
 /// A small grating at the origin, its normal along z and axis U along x, seen from a direction.
-fn view(parameters: &str, from: DVec3, lamp: &str) -> String {
+pub(crate) fn view(parameters: &str, from: DVec3, lamp: &str) -> String {
     let o = from.normalize() * 2.0;
     scene(
         3,
@@ -51,7 +51,7 @@ fn view(parameters: &str, from: DVec3, lamp: &str) -> String {
 }
 
 /// Incident direction of order q for light that leaves along o: pitch p across x, indices of its side and the viewer's.
-fn incident(o: DVec3, q: i32, p: f64, [n_i, n_o]: [f64; 2], side: f64) -> Option<DVec3> {
+pub(crate) fn incident(o: DVec3, q: i32, p: f64, [n_i, n_o]: [f64; 2], side: f64) -> Option<DVec3> {
     let x = (f64::from(q) * LAMBDA / p - n_o * o.x) / n_i;
     let y = -n_o * o.y / n_i;
     let cos2 = 1.0 - x * x - y * y;
@@ -59,7 +59,7 @@ fn incident(o: DVec3, q: i32, p: f64, [n_i, n_o]: [f64; 2], side: f64) -> Option
 }
 
 /// |t_q|² of a lamellar profile.
-fn lamellar(q: i32, psi: f64, f: f64) -> f64 {
+pub(crate) fn lamellar(q: i32, psi: f64, f: f64) -> f64 {
     let step = 2.0 * (1.0 - psi.cos());
     match q {
         0 => 1.0 - f * (1.0 - f) * step,
@@ -78,7 +78,7 @@ fn blazed(q: i32, psi: f64) -> f64 {
 }
 
 /// Sum of what the orders of a direction carry, `k d (cos + cos_q)` in each.
-fn total(d: DVec3, p: f64, depth: f64, share: impl Fn(i32, f64) -> f64) -> f64 {
+pub(crate) fn total(d: DVec3, p: f64, depth: f64, share: impl Fn(i32, f64) -> f64) -> f64 {
     (-20..=20)
         .filter_map(|q| {
             let e = incident(d, q, p, [1.0, 1.0], 1.0)?;

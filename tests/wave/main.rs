@@ -12,6 +12,7 @@ mod grating;
 mod irradiancemeter;
 mod layered;
 mod mueller;
+mod partial_light;
 mod plastic;
 mod rhomb;
 mod roughdielectric;

@@ -21,10 +21,11 @@
 //! contraction. The price is an error of about `4 f64::EPSILON k₀ d |M|`, |M| ≤ 2(1 + |ε|), in the phase and in what
 //! little is absorbed, times the finesse of a resonator, and a hundred small products for each layer. Where single
 //! waves are wanted (one pass, incoherent sums, refraction) forward and backward waves are split as two subspaces; in
-//! lossless uniaxial crystals these have a closed form, which is ten times faster.
+//! lossless uniaxial crystals these have a closed form, in other lossless crystals they are found in real numbers.
 //!
 //! Source: Berreman, J. Opt. Soc. Am. 62, 502 (1972); Redheffer, J. Math. and Phys. 41, 1 (1962), for the star product.
 
+mod clear;
 mod crystal;
 mod faces;
 mod generator;

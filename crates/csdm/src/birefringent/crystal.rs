@@ -238,6 +238,12 @@ impl Crystal {
         self.lossless
     }
 
+    /// Its permittivity, where it is lossless and inactive.
+    pub(super) fn clear_permittivity(&self) -> Option<Matrix3<f64>> {
+        (self.lossless && self.coupling == Matrix3::zeros())
+            .then(|| self.permittivity.map(|c| c.re))
+    }
+
     /// Its axis and permittivities, where it is lossless, inactive and uniaxial.
     pub(super) fn uniaxial_part(&self) -> Option<&Uniaxial> {
         self.uniaxial.as_ref()

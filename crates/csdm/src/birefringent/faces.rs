@@ -1,6 +1,6 @@
 //! Layers between half-spaces: from the waves (a, b) to the waves of the media before and behind.
 
-use nalgebra::Matrix2;
+use nalgebra::{ComplexField, Matrix2};
 use num_complex::Complex64;
 
 use super::half_space::HalfSpace;
@@ -35,25 +35,16 @@ impl Scattering<Complex64, 2> {
 
     /// A single face between two media: as [`Scattering::between`] of nothing, in 2×2 matrices.
     pub(super) fn face(before: &HalfSpace, behind: &HalfSpace) -> Self {
-        Self::solved_face(before, behind).unwrap_or_else(Self::mirror)
-    }
-
-    /// With waves x forward and y backward before, z forward and w backward behind, all as in
-    /// [`HalfSpace::as_graphs`]: `x + B y = z + B' w`, `F x + y = F' z + w`.
-    fn solved_face(before: &HalfSpace, behind: &HalfSpace) -> Option<Self> {
-        let (near, far) = (before.as_graphs()?, behind.as_graphs()?);
-        let one = Matrix2::identity();
-        let inverse = (one - near.a_backward * far.b_forward).try_inverse()?;
-        let z_x = inverse * (one - near.a_backward * near.b_forward);
-        let z_w = inverse * (near.a_backward - far.a_backward);
-        let to_y = before.b_backward.try_inverse()?;
-        let to_z = behind.a_forward.try_inverse()?;
-        Some(Self {
-            reflection: to_y * (far.b_forward * z_x - near.b_forward) * before.a_forward,
-            transmission: to_z * z_x * before.a_forward,
-            back_reflection: to_z * z_w * behind.b_backward,
-            back_transmission: to_y * (far.b_forward * z_w + one) * behind.b_backward,
-        })
+        let found = match (before.as_real(), behind.as_real()) {
+            (Some(before), Some(behind)) => solved_face(&before, &behind).map(|face| Self {
+                reflection: face.reflection.map(Complex64::from),
+                transmission: face.transmission.map(Complex64::from),
+                back_reflection: face.back_reflection.map(Complex64::from),
+                back_transmission: face.back_transmission.map(Complex64::from),
+            }),
+            _ => solved_face(before, behind),
+        };
+        found.unwrap_or_else(Self::mirror)
     }
 
     fn mirror() -> Self {
@@ -89,4 +80,25 @@ impl Scattering<Complex64, 2> {
             back_transmission: mueller(&self.back_transmission),
         }
     }
+}
+
+/// With waves x forward and y backward before, z forward and w backward behind, all as in [`HalfSpace::as_graphs`]:
+/// `x + B y = z + B' w`, `F x + y = F' z + w`.
+fn solved_face<T: ComplexField + Copy>(
+    before: &HalfSpace<T>,
+    behind: &HalfSpace<T>,
+) -> Option<Scattering<T, 2>> {
+    let (near, far) = (before.as_graphs()?, behind.as_graphs()?);
+    let one = Matrix2::identity();
+    let inverse = (one - near.a_backward * far.b_forward).try_inverse()?;
+    let z_x = inverse * (one - near.a_backward * near.b_forward);
+    let z_w = inverse * (near.a_backward - far.a_backward);
+    let to_y = before.b_backward.try_inverse()?;
+    let to_z = behind.a_forward.try_inverse()?;
+    Some(Scattering {
+        reflection: to_y * (far.b_forward * z_x - near.b_forward) * before.a_forward,
+        transmission: to_z * z_x * before.a_forward,
+        back_reflection: to_z * z_w * behind.b_backward,
+        back_transmission: to_y * (far.b_forward * z_w + one) * behind.b_backward,
+    })
 }

@@ -14,7 +14,7 @@
 //! for two waves) are no special cases. Accuracy is lost only where a forward wave meets a backward one, at the
 //! critical angle inside the medium: error `√f64::EPSILON` there.
 
-use nalgebra::{Matrix2, Matrix4, Vector2, Vector4};
+use nalgebra::{ComplexField, Matrix2, Matrix4, Vector2, Vector4};
 use num_complex::Complex64;
 
 use super::crystal::Crystal;
@@ -25,11 +25,11 @@ const I: Complex64 = Complex64::I;
 
 /// Waves of a half-space in the waves `(a, b)`: columns of `[a_forward; b_forward]` and `[a_backward; b_backward]`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct HalfSpace {
-    pub(super) a_forward: Matrix2<Complex64>,
-    pub(super) b_forward: Matrix2<Complex64>,
-    pub(super) a_backward: Matrix2<Complex64>,
-    pub(super) b_backward: Matrix2<Complex64>,
+pub(super) struct HalfSpace<T = Complex64> {
+    pub(super) a_forward: Matrix2<T>,
+    pub(super) b_forward: Matrix2<T>,
+    pub(super) a_backward: Matrix2<T>,
+    pub(super) b_backward: Matrix2<T>,
 }
 
 /// The two directions of travel in a medium, and how the amplitudes of each change with depth.
@@ -79,6 +79,26 @@ impl HalfSpace {
         })
     }
 
+    /// The same waves where all of them propagate in a medium that neither absorbs nor turns light.
+    pub(super) fn as_real(&self) -> Option<HalfSpace<f64>> {
+        let matrices = [
+            &self.a_forward,
+            &self.b_forward,
+            &self.a_backward,
+            &self.b_backward,
+        ];
+        let [a_forward, b_forward, a_backward, b_backward] =
+            matrices.map(|m| m.iter().all(|c| c.im == 0.0).then(|| m.map(|c| c.re)));
+        Some(HalfSpace {
+            a_forward: a_forward?,
+            b_forward: b_forward?,
+            a_backward: a_backward?,
+            b_backward: b_backward?,
+        })
+    }
+}
+
+impl<T: ComplexField + Copy> HalfSpace<T> {
     /// The same waves in other sums: `a_forward = b_backward = 1`.
     pub(super) fn as_graphs(&self) -> Option<Self> {
         let one = Matrix2::identity();
@@ -95,6 +115,7 @@ impl Directions {
     /// The forward and backward waves of a crystal at tangential index ξ.
     pub(super) fn new(crystal: &Crystal, xi: f64, azimuth: f64) -> Self {
         Self::of_uniaxial(crystal, xi, azimuth)
+            .or_else(|| Self::of_clear(crystal, xi, azimuth))
             .unwrap_or_else(|| Self::of_any(crystal, xi, azimuth))
     }
 
@@ -155,17 +176,16 @@ fn very_thick(generator: &Generator) -> Scattering<Complex64, 2> {
 ///
 /// All waves of such an R carry power forward, in passive matter more than they do further on: it is the right one.
 /// Evanescent waves carry none.
-fn graph_near(
-    start: Matrix2<Complex64>,
-    aa: &Matrix2<Complex64>,
-    ab: &Matrix2<Complex64>,
-    ba: &Matrix2<Complex64>,
-    bb: &Matrix2<Complex64>,
-) -> Option<Matrix2<Complex64>> {
+pub(super) fn graph_near<T: ComplexField<RealField = f64> + Copy>(
+    start: Matrix2<T>,
+    aa: &Matrix2<T>,
+    ab: &Matrix2<T>,
+    ba: &Matrix2<T>,
+    bb: &Matrix2<T>,
+) -> Option<Matrix2<T>> {
     const LEAST_FLUX: f64 = 1e-3;
     let one = Matrix2::identity();
     let mut r = start;
-    let mut last = 1.0;
     for _ in 0..12 {
         let (left, right) = (bb - r * ab, aa + ab * r);
         let c = r * right - ba - bb * r;
@@ -178,15 +198,14 @@ fn graph_near(
             return None;
         }
         r += step;
-        // quadratic, then as small as rounding allows
-        if size < 1e-9 && size >= 0.1 * last || size < 1e-15 {
+        // the next step would be its square, times 1/LEAST_FLUX at most
+        if size < 1e-10 {
             let flux = one - r.adjoint() * r;
-            let sound = flux[(0, 0)].re > LEAST_FLUX
-                && flux[(1, 1)].re > LEAST_FLUX
-                && flux.determinant().re > LEAST_FLUX * LEAST_FLUX;
+            let sound = flux[(0, 0)].real() > LEAST_FLUX
+                && flux[(1, 1)].real() > LEAST_FLUX
+                && flux.determinant().real() > LEAST_FLUX * LEAST_FLUX;
             return sound.then_some(r);
         }
-        last = size;
     }
     None
 }
@@ -232,6 +251,18 @@ fn invariant_graph(
 /// `f(A) = (f₊ + f₋)/2 + (f₊ − f₋)/(2s) (A − m)` with the eigenvalues `m ± s`; also right where s = 0.
 fn decaying_exponential(a: &Matrix2<Complex64>, depth: f64) -> Matrix2<Complex64> {
     let (m, s) = eigenvalues(a);
+    if m.im == 0.0 && s.im == 0.0 {
+        // nothing decays
+        let (sin, cos) = (s.re * depth).sin_cos();
+        let sinc = if s.re * depth == 0.0 {
+            depth
+        } else {
+            sin / s.re
+        };
+        let one = Matrix2::identity();
+        let turned = one * Complex64::from(cos) - (a - one * m) * (I * sinc);
+        return turned * Complex64::cis(-m.re * depth);
+    }
     // absorption below the rounding of A is none
     let rounding = 4.0 * f64::EPSILON * a.norm();
     let f = |lambda: Complex64| {

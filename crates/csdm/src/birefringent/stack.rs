@@ -172,6 +172,19 @@ impl CrystalStack {
         })
     }
 
+    /// The same stack with every layer thicker by a factor.
+    ///
+    /// # Errors
+    ///
+    /// When a thickness is then not between 0 and 1e6 m.
+    pub fn thickened(&self, factor: f64) -> Result<Self, FilmError> {
+        let layers = self.layers.iter().map(|layer| CrystalLayer {
+            crystal: layer.crystal.clone(),
+            thickness: layer.thickness * factor,
+        });
+        Self::new(self.incident, layers.collect(), self.exit)
+    }
+
     /// Jones matrices with all internal reflections in phase.
     ///
     /// Source and accuracy: the page of [`crate::birefringent`]. Power is conserved to 1e-13 in lossless stacks. In

@@ -52,8 +52,8 @@ pub struct Args {
     /// Half-width of emitter patches, in widths of the lobe that sees them; 0: single points [default: the scene's, or 0.5]
     #[arg(long, value_name = "R", value_parser = parse_patch)]
     patch: Option<f32>,
-    /// Also the coherence of each pixel's light where it first meets matter that is not specular: ellipse, and degree at
-    /// this separation toward image right, or right and up
+    /// Also the coherence of each pixel's light where it first meets matter that is not specular, or on a bare sensor
+    /// plane: ellipse, and degree at this separation toward image right, or right and up
     #[arg(
         long,
         value_name = "10um[,5um]",
@@ -268,6 +268,8 @@ fn load(args: &Args) -> Result<(Job, Vec<String>), Failure> {
     }
     let mode = args.wavelengths.mode();
     built.scene.check_wavelengths(mode.range()).map_err(wrong)?;
+    let mut notices = document.notices();
+    notices.extend(built.scene.doubts(mode.range()));
     let bytes = film.bytes(mode.colours(), args.coherence.is_some());
     if bytes > MOST_MEMORY {
         return Err(Failure::Usage(format!(
@@ -305,7 +307,7 @@ fn load(args: &Args) -> Result<(Job, Vec<String>), Failure> {
         seed: args.seed,
         ..Job::new(built, mode)
     };
-    Ok((job, document.notices()))
+    Ok((job, notices))
 }
 
 fn to_image(args: &Args, job: &Job, rendering: &Rendering) -> StokesImage {

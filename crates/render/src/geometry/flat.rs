@@ -2,12 +2,12 @@
 //!
 //! Source: Woop, Benthin, Wald, Watertight Ray/Triangle Intersection, JCGT 2(1), 2013. Vertices are sheared into a
 //! frame in which the ray is the z axis; a shared edge gives numbers that are each other's exact negatives in both
-//! triangles, so that no ray slips between them. Portable lanes (`Vec4`), no fused multiply-adds: these would break
-//! the symmetry.
+//! triangles, so that no ray slips between them. No fused multiply-adds: these would break the symmetry.
 
-use glam::{BVec4A, Vec3A, Vec4};
+use glam::Vec3A;
 
-use super::ray::Ray;
+use super::lanes::{Lanes, Portable};
+use super::ray::{Hit, Ray};
 
 /// What a ray contributes to the test, computed once a ray.
 #[derive(Clone, Copy, Debug)]
@@ -43,6 +43,26 @@ impl Shear {
     }
 }
 
+/// [`Shear`] in every lane.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SpreadShear<F> {
+    axes: [usize; 3],
+    origin: [F; 3],
+    shear: [F; 3],
+}
+
+impl Shear {
+    #[inline(always)]
+    pub(super) fn spread<S: Lanes<BLOCK>>(&self, simd: S) -> SpreadShear<S::F> {
+        let ([x, y, z], o, [sx, sy, sz]) = (self.axes, self.origin, self.shear);
+        SpreadShear {
+            axes: self.axes,
+            origin: [simd.splat(o[x]), simd.splat(o[y]), simd.splat(o[z])],
+            shear: [simd.splat(sx), simd.splat(sy), simd.splat(sz)],
+        }
+    }
+}
+
 /// A triangle, or the parallelogram of which three corners are given (the fourth is `b + c − a`).
 #[derive(Clone, Copy, Debug)]
 pub struct Flat {
@@ -52,117 +72,124 @@ pub struct Flat {
     pub parallelogram: bool,
 }
 
+/// Flat primitives in a block.
+pub(super) const BLOCK: usize = 4;
+
+/// Marks a parallelogram; the rest is the index in the scene.
+const PARALLELOGRAM: u32 = 1 << 31;
+
 /// Up to four flat primitives, corner by corner and axis by axis; unused lanes have no area, so that nothing hits them.
 #[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
 pub struct FlatBlock {
-    corners: [[Vec4; 3]; 3],
-    /// Lanes that are parallelograms.
-    parallelograms: BVec4A,
-    /// Index of each in the scene.
-    indices: [u32; 4],
-}
-
-/// A hit on one of the four.
-#[derive(Clone, Copy, Debug)]
-pub struct BlockHit {
-    /// Position along the ray.
-    pub t: f32,
-    /// Index of the primitive in the scene.
-    pub primitive: u32,
-    /// Weight of the second corner.
-    pub u: f32,
-    /// Weight of the third corner.
-    pub v: f32,
+    corners: [[[f32; BLOCK]; 3]; 3],
+    /// Index of each in the scene, and whether it is a parallelogram.
+    tags: [u32; BLOCK],
 }
 
 impl FlatBlock {
     /// Packs at most four primitives given with their index.
     pub fn new(flats: &[(u32, Flat)]) -> Self {
-        debug_assert!(!flats.is_empty() && flats.len() <= 4);
-        let mut corners = [[Vec4::ZERO; 3]; 3];
-        let mut indices = [u32::MAX; 4];
-        let mut parallelograms = [false; 4];
-        for lane in 0..4 {
-            // an unused lane repeats one corner
-            let unused = (
-                u32::MAX,
-                Flat {
-                    corners: [flats[0].1.corners[0]; 3],
-                    parallelogram: false,
-                },
-            );
+        debug_assert!(!flats.is_empty() && flats.len() <= BLOCK);
+        // an unused lane repeats one corner
+        let unused = (
+            0,
+            Flat {
+                corners: [flats[0].1.corners[0]; 3],
+                parallelogram: false,
+            },
+        );
+        let mut block = Self {
+            corners: [[[0.0; BLOCK]; 3]; 3],
+            tags: [0; BLOCK],
+        };
+        for lane in 0..BLOCK {
             let (index, flat) = flats.get(lane).copied().unwrap_or(unused);
-            indices[lane] = index;
-            parallelograms[lane] = flat.parallelogram;
-            for (axes, point) in corners.iter_mut().zip(flat.corners) {
+            block.tags[lane] = index | if flat.parallelogram { PARALLELOGRAM } else { 0 };
+            for (axes, point) in block.corners.iter_mut().zip(flat.corners) {
                 for (axis, lanes) in axes.iter_mut().enumerate() {
                     lanes[lane] = point[axis];
                 }
             }
         }
-        Self {
-            corners,
-            parallelograms: BVec4A::from_array(parallelograms),
-            indices,
-        }
+        block
     }
 
     /// The nearest hit closer than `t_max`.
-    #[inline]
-    pub fn intersect(&self, shear: &Shear, t_max: f32) -> Option<BlockHit> {
+    pub fn intersect(&self, shear: &Shear, t_max: f32) -> Option<Hit> {
+        self.meet(Portable, &shear.spread(Portable), t_max)
+    }
+
+    /// The nearest hit closer than `t_max`.
+    #[inline(always)]
+    pub(super) fn meet<S: Lanes<BLOCK>>(
+        &self,
+        simd: S,
+        shear: &SpreadShear<S::F>,
+        t_max: f32,
+    ) -> Option<Hit> {
         let [kx, ky, kz] = shear.axes;
         // said once, so that the accesses below need no check
         assert!(kx < 3 && ky < 3 && kz < 3, "axes are x, y, z");
-        let [sx, sy, sz] = shear.shear.map(Vec4::splat);
-        let (ox, oy, oz) = (
-            Vec4::splat(shear.origin[kx]),
-            Vec4::splat(shear.origin[ky]),
-            Vec4::splat(shear.origin[kz]),
-        );
-        let sheared = |corner: &[Vec4; 3]| {
-            let z = corner[kz] - oz;
-            ((corner[kx] - ox) - sx * z, (corner[ky] - oy) - sy * z, z)
+        let [ox, oy, oz] = shear.origin;
+        let [sx, sy, sz] = shear.shear;
+        let sheared = |corner: &[[f32; BLOCK]; 3]| {
+            let z = simd.sub(simd.load(&corner[kz]), oz);
+            let x = simd.sub(simd.load(&corner[kx]), ox);
+            let y = simd.sub(simd.load(&corner[ky]), oy);
+            (
+                simd.sub(x, simd.mul(sx, z)),
+                simd.sub(y, simd.mul(sy, z)),
+                z,
+            )
         };
         let (ax, ay, az) = sheared(&self.corners[0]);
         let (bx, by, bz) = sheared(&self.corners[1]);
         let (cx, cy, cz) = sheared(&self.corners[2]);
-        let u = cx * by - cy * bx;
-        let v = ax * cy - ay * cx;
-        let w = bx * ay - by * ax;
-        let zero = Vec4::ZERO;
-        let det = u + v + w;
+        let edge = |px, qy, qx, py| simd.sub(simd.mul(px, qy), simd.mul(qx, py));
+        let u = edge(cx, by, bx, cy);
+        let v = edge(ax, cy, cx, ay);
+        let w = edge(bx, ay, ax, by);
+        let det = simd.add(simd.add(u, v), w);
         // a triangle ends where one of the three changes sign, a parallelogram where v or w leaves 0 … det;
         // zeros count as inside of both neighbours
-        let third = Vec4::select(self.parallelograms, (det - v).min(det - w), u);
-        let other = Vec4::select(self.parallelograms, (det - v).max(det - w), u);
-        let lowest = third.min(v).min(w);
-        let highest = other.max(v).max(w);
-        let inside = (lowest.cmpge(zero) | highest.cmple(zero)) & det.cmpne(zero);
-        if !inside.any() {
+        let (mut third, mut other) = (u, u);
+        let tags = simd.load_signs(&self.tags);
+        if simd.signs(tags) != 0 {
+            let (p, q) = (simd.sub(det, v), simd.sub(det, w));
+            third = simd.select(tags, simd.min(p, q), u);
+            other = simd.select(tags, simd.max(p, q), u);
+        }
+        let zero = simd.splat(0.0);
+        let lowest = simd.min(simd.min(third, v), w);
+        let highest = simd.max(simd.max(other, v), w);
+        let inside = simd.le(zero, lowest) | simd.le(highest, zero);
+        if inside == 0 {
             return None;
         }
-        let inverse = det.recip();
-        let t = (u * az + v * bz + w * cz) * sz * inverse;
-        let hit = inside & t.cmpgt(zero) & t.cmplt(Vec4::splat(t_max));
-        let mut mask = hit.bitmask();
+        let inverse = simd.div(simd.splat(1.0), det);
+        let depth = simd.add(simd.add(simd.mul(u, az), simd.mul(v, bz)), simd.mul(w, cz));
+        // where the area vanishes this is not a number, and no hit
+        let t = simd.mul(simd.mul(depth, sz), inverse);
+        let mut mask = inside & simd.lt(zero, t) & simd.lt(t, simd.splat(t_max));
         if mask == 0 {
             return None;
         }
-        let t = t.to_array();
-        let mut lane = mask.trailing_zeros() as usize;
+        let t = simd.store(t);
+        let mut lane = mask.trailing_zeros() as usize % BLOCK;
         mask &= mask - 1;
         while mask != 0 {
-            let other = mask.trailing_zeros() as usize;
+            let other = mask.trailing_zeros() as usize % BLOCK;
             if t[other] < t[lane] {
                 lane = other;
             }
             mask &= mask - 1;
         }
-        Some(BlockHit {
+        Some(Hit {
             t: t[lane],
-            primitive: self.indices[lane],
-            u: (v * inverse)[lane],
-            v: (w * inverse)[lane],
+            primitive: self.tags[lane] & !PARALLELOGRAM,
+            u: simd.store(simd.mul(v, inverse))[lane],
+            v: simd.store(simd.mul(w, inverse))[lane],
         })
     }
 }

@@ -1,6 +1,14 @@
 //! Rays, watertight triangles and parallelograms, the bounding volume hierarchy, and error bounds that keep rays off their own surface.
 
+pub mod bounds;
 pub mod bvh;
+mod collapse;
 pub mod flat;
 pub mod frame;
+mod lanes;
+mod node;
 pub mod ray;
+mod simd;
+#[cfg(test)]
+mod tests;
+mod walk;

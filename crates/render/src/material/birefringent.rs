@@ -29,6 +29,9 @@
 //!
 //! Source: Berreman, J. Opt. Soc. Am. 62, 502 (1972), as solved by `csdm::birefringent`.
 
+use std::borrow::Cow;
+use std::sync::OnceLock;
+
 use csdm::birefringent::{
     Crystal, CrystalError, CrystalLayer, CrystalStack, Incidence, JonesSide, PlateMueller,
 };
@@ -71,8 +74,10 @@ pub struct Birefringent {
     outside: f64,
     reflections: Reflections,
     wedge: Option<Wedge>,
-    /// Where it is the same at all wavelengths and places.
-    fixed: Option<CrystalStack>,
+    /// Whether the indices are the same at all wavelengths.
+    constant: bool,
+    /// The first wavelength that was asked for, and the plate there: in light of one wavelength the only one.
+    kept: OnceLock<(f32, Option<CrystalStack>)>,
 }
 
 impl Birefringent {
@@ -101,7 +106,8 @@ impl Birefringent {
             _ => Reflections::Incoherent,
         };
         let indices = read_indices(object)?;
-        let mut plate = Self {
+        Ok(Self {
+            constant: indices.iter().all(Index::is_constant),
             indices,
             axes: read_axes(object)?,
             thickness,
@@ -110,16 +116,12 @@ impl Birefringent {
             outside: read_index(object, "ext_ior", "air")?,
             reflections,
             wedge: Wedge::read(object)?,
-            fixed: None,
-        };
-        if plate.wedge.is_none() && plate.indices.iter().all(Index::is_constant) {
-            plate.fixed = plate.stack(550.0, 1.0);
-        }
-        Ok(plate)
+            kept: OnceLock::new(),
+        })
     }
 
-    /// The plate at one wavelength, its thickness changed by a factor.
-    fn stack(&self, wavelength: f32, factor: f64) -> Option<CrystalStack> {
+    /// The plate at one wavelength, where its thickness is that of the scene file.
+    fn stack(&self, wavelength: f32) -> Option<CrystalStack> {
         let indices = self.indices.each_ref().map(|index| index.at(wavelength));
         let crystal = Crystal::biaxial(indices, self.axes[0], self.axes[1]).ok()?;
         let count = f64::from(self.slices);
@@ -129,9 +131,25 @@ impl Birefringent {
             } else {
                 crystal.turned(self.twist * (f64::from(slice) + 0.5) / count)
             },
-            thickness: self.thickness * factor / count,
+            thickness: self.thickness / count,
         });
         CrystalStack::new(self.outside, layers.collect(), self.outside.into()).ok()
+    }
+
+    /// The plate at one wavelength and place; the same whichever wavelength was first.
+    fn stack_at(&self, wavelength: f32, position: Vec3A) -> Option<Cow<'_, CrystalStack>> {
+        let (first, kept) = self
+            .kept
+            .get_or_init(|| (wavelength, self.stack(wavelength)));
+        let stack = if self.constant || *first == wavelength {
+            Cow::Borrowed(kept.as_ref()?)
+        } else {
+            Cow::Owned(self.stack(wavelength)?)
+        };
+        let Some(wedge) = self.wedge else {
+            return Some(stack);
+        };
+        stack.thickened(wedge.factor(position)).ok().map(Cow::Owned)
     }
 
     /// Mueller matrix for light from local `i`, in the frames of [`axis_across`].
@@ -141,15 +159,7 @@ impl Birefringent {
         let (cosine, sine) = (k.z.abs().min(1.0), sine.min(1.0));
         let incidence = Incidence::with_sine(cosine, sine, s.y.atan2(s.x)).ok()?;
         let light = Wavelength::from_metres(f64::from(wavelength) * 1e-9).ok()?;
-        let made;
-        let stack = match &self.fixed {
-            Some(stack) => stack,
-            None => {
-                let factor = self.wedge.map_or(1.0, |wedge| wedge.factor(at.position));
-                made = self.stack(wavelength, factor)?;
-                &made
-            }
-        };
+        let stack = self.stack_at(wavelength, at.position)?;
         let forward = k.z > 0.0;
         let of_jones = |side: JonesSide| {
             if reflects {
@@ -256,19 +266,9 @@ impl Matter for Birefringent {
         }
         let reflected = self.reflected_share(o.z.abs().min(1.0), wavelengths[0]);
         Some(if u[0] < reflected {
-            Departure {
-                direction: mirror(o, Vec3A::Z),
-                density: reflected,
-                part: Part::Discrete(0),
-                eta: 1.0,
-            }
+            Departure::mirrored(o, reflected)
         } else {
-            Departure {
-                direction: -o,
-                density: 1.0 - reflected,
-                part: Part::Straight,
-                eta: 1.0,
-            }
+            Departure::straight(o, 1.0 - reflected)
         })
     }
 

@@ -101,12 +101,7 @@ impl Matter for Conductor {
     #[inline]
     fn sample(&self, at: &Vertex, _: &[f32], _: [f32; 3]) -> Option<Departure> {
         let o = at.o;
-        (o.z > 0.0).then(|| Departure {
-            direction: mirror(o, Vec3A::Z),
-            density: 1.0,
-            part: Part::Discrete(0),
-            eta: 1.0,
-        })
+        (o.z > 0.0).then(|| Departure::mirrored(o, 1.0))
     }
 
     #[inline]

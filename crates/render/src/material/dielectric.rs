@@ -112,12 +112,7 @@ impl Matter for Dielectric {
         let interface = self.side(o);
         let reflected = interface.reflection(cos_o).mean as f32;
         if u[0] < reflected {
-            return Some(Departure {
-                direction: mirror(o, Vec3A::Z),
-                density: reflected,
-                part: Part::Discrete(0),
-                eta: 1.0,
-            });
+            return Some(Departure::mirrored(o, reflected));
         }
         let (i, eta) = self.refracted(o)?;
         Some(Departure {

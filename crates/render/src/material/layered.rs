@@ -277,12 +277,7 @@ impl Matter for Layered {
                 },
                 eta,
             }),
-            _ => Some(Departure {
-                direction: mirror(o, Vec3A::Z),
-                density: reflected,
-                part: Part::Discrete(0),
-                eta: 1.0,
-            }),
+            _ => Some(Departure::mirrored(o, reflected)),
         }
     }
 

@@ -137,6 +137,26 @@ impl Microfacets {
         }
     }
 
+    /// D(h) G1(i) G1(o): the facets that lead from one direction to the other, and that both see.
+    #[inline]
+    pub fn lit(&self, o: Vec3A, i: Vec3A, h: Vec3A) -> f32 {
+        self.density(h) * self.shadowing(i, h) * self.shadowing(o, h)
+    }
+
+    /// BRDF × cos i of facets that mirror everything, `D G1(i) G1(o)/(4 cos o)`; h halves the directions.
+    ///
+    /// Source: Walter et al. 2007, Eq. 20.
+    #[inline]
+    pub fn mirrored(&self, o: Vec3A, i: Vec3A, h: Vec3A) -> f32 {
+        self.lit(o, i, h) / (4.0 * o.z)
+    }
+
+    /// Density per steradian of the mirror direction of `o` at normals that [`Microfacets::sample`] draws.
+    #[inline]
+    pub fn mirror_density(&self, o: Vec3A, m: Vec3A) -> f32 {
+        self.sampling_density(o, m) / (4.0 * o.dot(m))
+    }
+
     /// Smith's G1 without the fit: it normalises the density of visible normals.
     #[inline]
     fn exact_shadowing(&self, v: Vec3A) -> f32 {

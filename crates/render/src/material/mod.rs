@@ -5,6 +5,7 @@
 
 pub mod birefringent;
 pub mod circular;
+pub mod coated;
 pub mod conductor;
 pub mod detector;
 pub mod dielectric;
@@ -78,6 +79,41 @@ pub struct Departure {
     pub eta: f32,
 }
 
+impl Departure {
+    /// Mirrored by the surface, with this probability.
+    #[inline]
+    fn mirrored(o: Vec3A, probability: f32) -> Self {
+        Self {
+            direction: mirror(o, Vec3A::Z),
+            density: probability,
+            part: Part::Discrete(0),
+            eta: 1.0,
+        }
+    }
+
+    /// Straight through, with this probability.
+    #[inline]
+    fn straight(o: Vec3A, probability: f32) -> Self {
+        Self {
+            direction: -o,
+            density: probability,
+            part: Part::Straight,
+            eta: 1.0,
+        }
+    }
+
+    /// In a drawn direction toward light; `None` where its density is not a positive number.
+    #[inline]
+    fn continuous(direction: Vec3A, density: f32, eta: f32) -> Option<Self> {
+        (density > 0.0 && density.is_finite()).then_some(Self {
+            direction,
+            density,
+            part: Part::Continuous,
+            eta,
+        })
+    }
+}
+
 /// What transport has to know of matter before it meets it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traits {
@@ -141,8 +177,8 @@ pub enum Material {
     RoughSurface(Box<roughsurface::RoughSurface>),
     /// Smooth glass.
     Dielectric(dielectric::Dielectric),
-    /// Polarizing plastic.
-    Pplastic(pplastic::Pplastic),
+    /// Plastic with a rough surface: `pplastic`, `roughplastic`.
+    RoughlyCoated(coated::RoughlyCoated),
     /// Linear polarizer.
     Polarizer(polarizer::Polarizer),
     /// Linear retarder.
@@ -152,9 +188,9 @@ pub enum Material {
     /// Nothing.
     Null(null::Null),
     /// Thin films.
-    Layered(layered::Layered),
+    Layered(Box<layered::Layered>),
     /// Crystal plate.
-    Birefringent(birefringent::Birefringent),
+    Birefringent(Box<birefringent::Birefringent>),
     /// Optical activity.
     Rotator(rotator::Rotator),
     /// Any Mueller matrix.
@@ -165,8 +201,6 @@ pub enum Material {
     ThinDielectric(thindielectric::ThinDielectric),
     /// Smooth plastic.
     Plastic(plastic::Plastic),
-    /// Rough plastic.
-    RoughPlastic(roughplastic::RoughPlastic),
     /// Any locally stationary matter.
     Scatterer16(Box<scatterer16::Scatterer16>),
     /// Grating.
@@ -191,7 +225,7 @@ macro_rules! ask {
             Material::RoughConductor($m) => $answer,
             Material::RoughSurface($m) => $answer,
             Material::Dielectric($m) => $answer,
-            Material::Pplastic($m) => $answer,
+            Material::RoughlyCoated($m) => $answer,
             Material::Polarizer($m) => $answer,
             Material::Retarder($m) => $answer,
             Material::Circular($m) => $answer,
@@ -203,7 +237,6 @@ macro_rules! ask {
             Material::RoughDielectric($m) => $answer,
             Material::ThinDielectric($m) => $answer,
             Material::Plastic($m) => $answer,
-            Material::RoughPlastic($m) => $answer,
             Material::Scatterer16($m) => $answer,
             Material::Grating($m) => $answer,
             Material::Slits($m) => $answer,
@@ -278,6 +311,12 @@ pub trait Matter {
     fn check_wavelengths(&self, _: [f64; 2]) -> Result<(), SceneError> {
         Ok(())
     }
+
+    /// What the user should know of a rendering from the first to the second wavelength, nm, with the place in the scene
+    /// file.
+    fn doubts(&self, _: [f64; 2]) -> Vec<String> {
+        Vec::new()
+    }
 }
 
 impl Material {
@@ -288,8 +327,7 @@ impl Material {
             | Self::Conductor(_)
             | Self::RoughConductor(_)
             | Self::Plastic(_)
-            | Self::Pplastic(_)
-            | Self::RoughPlastic(_) => false,
+            | Self::RoughlyCoated(_) => false,
             Self::Layered(layered) => !layered.is_opaque(),
             Self::RoughSurface(surface) => !surface.is_metal(),
             Self::Mueller(element) => !element.is_mirror(),
@@ -352,6 +390,10 @@ impl Matter for Material {
 
     fn check_wavelengths(&self, range: [f64; 2]) -> Result<(), SceneError> {
         ask!(self, m => m.check_wavelengths(range))
+    }
+
+    fn doubts(&self, range: [f64; 2]) -> Vec<String> {
+        ask!(self, m => m.doubts(range))
     }
 }
 

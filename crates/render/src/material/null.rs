@@ -17,22 +17,10 @@ use crate::light::{Element, Light};
 #[derive(Clone, Copy, Debug)]
 pub struct Null;
 
-/// Straight through.
-#[inline]
-pub fn straight(o: Vec3A) -> Option<Departure> {
-    Some(Departure {
-        direction: -o,
-        density: 1.0,
-        part: Part::Straight,
-        eta: 1.0,
-    })
-}
-
 impl Matter for Null {
     #[inline]
     fn sample(&self, at: &Vertex, _: &[f32], _: [f32; 3]) -> Option<Departure> {
-        let o = at.o;
-        straight(o)
+        Some(Departure::straight(at.o, 1.0))
     }
 
     #[inline]

@@ -29,69 +29,17 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3A;
 use mueller16::DielectricInterface;
 
+use super::coated::{Base, Coat, Passages};
 use super::dielectric::read_index;
-use super::{Departure, Effect, Matter, Part, Vertex, axis_s, mirror};
+use super::{Departure, Effect, Matter, Part, Vertex, mirror};
 use crate::coherence::Coherence;
-use crate::light::{Element, Light};
+use crate::light::Light;
 use crate::sampler::cosine_hemisphere;
 use crate::scene::{Object, SceneError};
-use crate::spectrum::{Spectrum, SpectrumUse};
-
-/// A diffuse base that sends light back to a surface which keeps some of it inside.
-#[derive(Clone, Debug)]
-pub(super) struct Base {
-    reflectance: Spectrum,
-    /// Diffuse reflectance of the surface from inside.
-    inner: f32,
-    nonlinear: bool,
-    /// 1/(π η²)
-    scale: f32,
-}
-
-impl Base {
-    /// Reads `diffuse_reflectance` and `nonlinear`; `inner` is the diffuse reflectance of the surface from inside.
-    pub(super) fn read(object: &Object, eta: f64, inner: f64) -> Result<Self, SceneError> {
-        Ok(Self {
-            reflectance: object.spectrum(
-                "diffuse_reflectance",
-                SpectrumUse::Reflectance,
-                Spectrum::constant(0.5),
-            )?,
-            inner: inner as f32,
-            nonlinear: object.boolean("nonlinear", false)?,
-            scale: FRAC_1_PI / (eta * eta) as f32,
-        })
-    }
-
-    /// What it returns to outside between two passages, per steradian and projected solid angle.
-    #[inline]
-    pub(super) fn weight(&self, wavelength: f32) -> f32 {
-        let r = self.reflectance.value(wavelength);
-        let again = if self.nonlinear { r } else { 1.0 };
-        r * self.scale / (1.0 - again * self.inner)
-    }
-
-    /// Probability of drawing the surface rather than the base, where it reflects `r`, at most 0.9 and at least 0.1:
-    /// the wavelengths may differ.
-    #[inline]
-    pub(super) fn surface_probability(&self, r: f32, factor: f32, wavelength: f32) -> f32 {
-        let (surface, base) = (r * factor, (1.0 - r) * self.reflectance.value(wavelength));
-        let share = surface / (surface + base);
-        if share.is_nan() {
-            0.5
-        } else {
-            share.clamp(0.1, 0.9)
-        }
-    }
-}
 
 /// A diffuse base under a smooth dielectric surface.
 #[derive(Clone, Debug)]
-pub struct Plastic {
-    surface: DielectricInterface,
-    base: Base,
-    reflectance: Spectrum,
-}
+pub struct Plastic(Coat);
 
 /// Reflectance of a smooth surface for diffuse light, η the index behind it over that before it.
 ///
@@ -112,31 +60,10 @@ impl Plastic {
     pub fn read(object: &Object) -> Result<Self, SceneError> {
         let inside = read_index(object, "int_ior", "polypropylene")?;
         let outside = read_index(object, "ext_ior", "air")?;
-        let eta = inside / outside;
-        Ok(Self {
-            surface: DielectricInterface::new(outside, inside).map_err(|e| object.error(e))?,
-            base: Base::read(object, eta, diffuse_reflectance(eta.recip()))?,
-            reflectance: object.spectrum(
-                "specular_reflectance",
-                SpectrumUse::Reflectance,
-                Spectrum::constant(1.0),
-            )?,
-        })
-    }
-
-    /// Passage through the surface, for light that arrives from or leaves to outside at `cos`.
-    #[inline]
-    fn passage(&self, cos: f32) -> Element {
-        self.surface
-            .transmission(f64::from(cos.min(1.0)))
-            .map_or(Element::BLACK, |t| Element::from(t.element))
-    }
-
-    #[inline]
-    fn mirror_probability(&self, o: Vec3A, wavelengths: &[f32]) -> f32 {
-        let r = self.surface.reflection(f64::from(o.z.min(1.0))).mean as f32;
-        let factor = self.reflectance.value(wavelengths[0]);
-        self.base.surface_probability(r, factor, wavelengths[0])
+        let surface = DielectricInterface::new(outside, inside).map_err(|e| object.error(e))?;
+        let inner = diffuse_reflectance((inside / outside).recip());
+        let base = Base::read_under(object, &surface, inner)?;
+        Coat::read(object, surface, Passages::Smooth, base).map(Self)
     }
 }
 
@@ -147,19 +74,12 @@ impl Matter for Plastic {
         if o.z <= 0.0 {
             return None;
         }
-        let p = self.mirror_probability(o, wavelengths);
-        let (direction, density, part) = if u[0] < p {
-            (mirror(o, Vec3A::Z), p, Part::Discrete(0))
-        } else {
-            let i = cosine_hemisphere([u[1], u[2]]);
-            (i, (1.0 - p) * i.z * FRAC_1_PI, Part::Continuous)
-        };
-        (density > 0.0).then_some(Departure {
-            direction,
-            density,
-            part,
-            eta: 1.0,
-        })
+        let p = self.0.surface_probability(o, wavelengths);
+        if u[0] < p {
+            return Some(Departure::mirrored(o, p));
+        }
+        let i = cosine_hemisphere([u[1], u[2]]);
+        Departure::continuous(i, (1.0 - p) * i.z * FRAC_1_PI, 1.0)
     }
 
     #[inline]
@@ -176,19 +96,13 @@ impl Matter for Plastic {
             return (L::depolarizing(|_| 0.0), 0.0);
         }
         if part != Part::Continuous {
-            let mirrored = Element::from(self.surface.reflection(f64::from(i.z.min(1.0))));
-            let response = L::diattenuating_retarder(axis_s(Vec3A::Z, i), |lane| {
-                mirrored.scaled(self.reflectance.value(wavelengths[lane]))
-            });
-            return (response, 0.0);
+            return (self.0.mirrored::<L>(Vec3A::Z, i, 1.0, wavelengths), 0.0);
         }
-        let response = L::depolarizer_between(
-            (axis_s(Vec3A::Z, o), self.passage(o.z)),
-            |lane| self.base.weight(wavelengths[lane]) * i.z,
-            (axis_s(Vec3A::Z, i), self.passage(i.z)),
-        );
-        let p = self.mirror_probability(o, wavelengths);
-        (response, (1.0 - p) * i.z * FRAC_1_PI)
+        let p = self.0.surface_probability(o, wavelengths);
+        (
+            self.0.diffuse::<L>(o, i, wavelengths),
+            (1.0 - p) * i.z * FRAC_1_PI,
+        )
     }
 
     fn is_discrete(&self) -> bool {
@@ -200,13 +114,7 @@ impl Matter for Plastic {
     }
 
     fn effect(&self) -> Effect {
-        Effect {
-            depolarizes: true,
-            makes_linear: true,
-            // plastic that is thinner matter than its surroundings reflects totally
-            retards: self.surface.n_incident() > self.surface.n_transmitted(),
-            ..Effect::default()
-        }
+        self.0.effect()
     }
 }
 
@@ -214,14 +122,12 @@ impl Matter for Plastic {
 mod tests {
     use super::*;
     use crate::material::testing::{
-        assert_drawn_as_dense, difference, material_of, mean_over_draws, respond, reversed, toward,
+        assert_drawn_as_dense, assert_retraced, mean_over_draws, of_indices, reflectances, respond,
+        toward,
     };
 
     fn plastic(more: &str) -> crate::material::Material {
-        material_of(&format!(
-            "<bsdf type='plastic'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/>{more}</bsdf>"
-        ))
-        .unwrap()
+        of_indices("plastic", [1.5, 1.0], more)
     }
 
     /// Diffuse reflectance by quadrature over the cosine.
@@ -279,10 +185,8 @@ mod tests {
 
     #[test]
     fn light_retraces_its_path() {
-        let plastic = plastic("");
-        let f = |o: Vec3A, i: Vec3A| respond(&plastic, o, i, Part::Continuous).0 * i.z.recip();
-        let (o, i) = (toward(70.0, 10.0), toward(50.0, 130.0));
-        assert!(difference(&f(o, i), &reversed(&f(i, o))) < 1e-6);
+        let way = (toward(70.0, 10.0), toward(50.0, 130.0));
+        assert_retraced(&plastic(""), way, |_| 1.0, 1e-5);
     }
 
     #[test]
@@ -293,10 +197,8 @@ mod tests {
         let column = respond(&plastic, o, toward(0.0, 0.0), Part::Continuous)
             .0
             .x_axis;
-        let b = (f64::from(3f32.sqrt()) / 2.0 / 1.5f64).asin();
-        let a = 60f64.to_radians();
-        let (s, p) = ((a - b).sin() / (a + b).sin(), (a - b).tan() / (a + b).tan());
-        let expected = (p * p - s * s) / (2.0 - s * s - p * p);
+        let [s, p] = reflectances(1.5, 0.5);
+        let expected = (p - s) / (2.0 - s - p);
         assert!((f64::from(column.y / column.x) - expected).abs() < 1e-6);
         assert!(expected < -0.05 && column.w == 0.0);
     }

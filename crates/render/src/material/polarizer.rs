@@ -17,7 +17,6 @@
 use glam::{DVec3, Vec3A};
 use mueller16::element;
 
-use super::null::straight;
 use super::{Departure, Effect, Matter, Part, Traits, Vertex};
 use crate::coherence::Coherence;
 use crate::geometry::frame::Frame;
@@ -58,7 +57,7 @@ impl Matter for Polarizer {
     #[inline]
     fn sample(&self, at: &Vertex, _: &[f32], _: [f32; 3]) -> Option<Departure> {
         let o = at.o;
-        straight(o)
+        Some(Departure::straight(o, 1.0))
     }
 
     #[inline]

@@ -17,7 +17,6 @@
 use glam::Vec3A;
 use mueller16::element;
 
-use super::null::straight;
 use super::polarizer::axis_for;
 use super::{Departure, Effect, Matter, Part, Traits, Vertex};
 use crate::coherence::Coherence;
@@ -52,7 +51,7 @@ impl Matter for Retarder {
     #[inline]
     fn sample(&self, at: &Vertex, _: &[f32], _: [f32; 3]) -> Option<Departure> {
         let o = at.o;
-        straight(o)
+        Some(Departure::straight(o, 1.0))
     }
 
     #[inline]

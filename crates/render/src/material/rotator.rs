@@ -23,7 +23,6 @@
 
 use glam::{Mat4, Vec3A, vec4};
 
-use super::null::straight;
 use super::{Departure, Effect, Matter, Part, Traits, Vertex};
 use crate::coherence::Coherence;
 use crate::geometry::frame::Frame;
@@ -88,7 +87,7 @@ impl Rotator {
 impl Matter for Rotator {
     #[inline]
     fn sample(&self, at: &Vertex, _: &[f32], _: [f32; 3]) -> Option<Departure> {
-        straight(at.o)
+        Some(Departure::straight(at.o, 1.0))
     }
 
     fn respond<L: Light>(

@@ -55,13 +55,10 @@ impl Matter for RoughConductor {
         }
         let m = self.facets.sample(o, [u[1], u[2]]);
         let i = mirror(o, m);
-        let density = self.facets.sampling_density(o, m) / (4.0 * o.dot(m));
-        (i.z > 0.0 && density > 0.0 && density.is_finite()).then_some(Departure {
-            direction: i,
-            density,
-            part: Part::Continuous,
-            eta: 1.0,
-        })
+        if i.z <= 0.0 {
+            return None;
+        }
+        Departure::continuous(i, self.facets.mirror_density(o, m), 1.0)
     }
 
     #[inline]
@@ -79,14 +76,11 @@ impl Matter for RoughConductor {
         }
         let h = (o + i).normalize();
         let cos = i.dot(h).min(1.0);
-        let weight =
-            self.facets.density(h) * self.facets.shadowing(i, h) * self.facets.shadowing(o, h)
-                / (4.0 * o.z);
-        let density = self.facets.sampling_density(o, h) / (4.0 * cos);
+        let weight = self.facets.mirrored(o, i, h);
         let response = L::diattenuating_retarder(axis_s(h, i), |lane| {
             self.metal.reflection(cos, wavelengths[lane]).scaled(weight)
         });
-        (response, density)
+        (response, self.facets.mirror_density(o, h))
     }
 
     fn is_discrete(&self) -> bool {

@@ -193,12 +193,7 @@ impl Matter for RoughDielectric {
         }
         let facet = Facet::between(o, i, self.eta(up))?;
         let density = self.density(o, &facet, self.reflected(up, facet.o_h));
-        (density > 0.0 && density.is_finite()).then_some(Departure {
-            direction: if up { i } else { -i },
-            density,
-            part: Part::Continuous,
-            eta,
-        })
+        Departure::continuous(if up { i } else { -i }, density, eta)
     }
 
     #[inline]
@@ -220,10 +215,7 @@ impl Matter for RoughDielectric {
             return dark();
         };
         let h = facet.h;
-        let weight =
-            self.facets.density(h) * self.facets.shadowing(i, h) * self.facets.shadowing(o, h)
-                / o.z
-                * facet.squeeze();
+        let weight = self.facets.lit(o, i, h) / o.z * facet.squeeze();
         let axis = axis_s(h, i);
         let density = self.density(o, &facet, self.reflected(up, facet.o_h));
         let response = if facet.reflects {
@@ -267,14 +259,12 @@ impl Matter for RoughDielectric {
 mod tests {
     use super::*;
     use crate::material::testing::{
-        assert_drawn_as_dense, difference, material_of, mean_over_draws, respond, reversed, toward,
+        assert_drawn_as_dense, assert_retraced, difference, material_of, mean_over_draws,
+        of_indices, reflectances, respond, toward,
     };
 
     fn glass(alpha: &str) -> crate::material::Material {
-        material_of(&format!(
-            "<bsdf type='roughdielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/>{alpha}</bsdf>"
-        ))
-        .unwrap()
+        of_indices("roughdielectric", [1.5, 1.0], alpha)
     }
 
     const BECKMANN: &str =
@@ -294,22 +284,14 @@ mod tests {
     fn light_retraces_its_path() {
         let glass = glass(BECKMANN);
         let index = |v: Vec3A| if v.z > 0.0 { 1.0 } else { 1.5 };
-        // per squared index and cosine of the light
-        let f = |o: Vec3A, i: Vec3A| {
-            let scale = f32::powi(index(o), -2) / i.z.abs();
-            respond(&glass, o, i, Part::Continuous).0 * scale
-        };
-        for (o, i) in [
+        for way in [
             (toward(30.0, 10.0), toward(50.0, 160.0)),
             (toward(30.0, 10.0), -toward(25.0, 40.0)),
             (-toward(20.0, 80.0), toward(35.0, 85.0)),
             (-toward(60.0, 80.0), -toward(50.0, 240.0)),
         ] {
-            let (there, back) = (f(o, i), f(i, o));
-            assert!(there.x_axis.x > 1e-3, "{o} {i}: {there}");
             // products of some ten single-precision numbers
-            let error = difference(&there, &reversed(&back));
-            assert!(error < 1e-5 * there.x_axis.x, "{o} {i}: {error}");
+            assert_retraced(&glass, way, index, 1e-5);
         }
     }
 
@@ -335,8 +317,7 @@ mod tests {
     #[test]
     fn it_becomes_smooth_glass() {
         let rough = glass("<float name='alpha' value='1e-3'/>");
-        let smooth = material_of("<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>")
-            .unwrap();
+        let smooth = of_indices("dielectric", [1.5, 1.0], "");
         for o in [toward(45.0, 70.0), -toward(30.0, 10.0), -toward(60.0, 10.0)] {
             for transmits in [false, true] {
                 let kept = |i: Vec3A, _: f32| {
@@ -354,17 +335,6 @@ mod tests {
                 assert!(off < allowed, "{o} {transmits}: {off}, {allowed} allowed");
             }
         }
-    }
-
-    /// Reflectances of s and p by sines and tangents; transmittances are what is left.
-    ///
-    /// Source: Born and Wolf, Principles of Optics, 7th ed., section 1.5.2, Eq. (21a).
-    fn reflectances(eta: f64, cos: f64) -> (f64, f64) {
-        let a = cos.acos();
-        let b = (a.sin() / eta).asin();
-        let s = (a - b).sin() / (a + b).sin();
-        let p = (a - b).tan() / (a + b).tan();
-        (s * s, p * p)
     }
 
     #[test]
@@ -393,7 +363,7 @@ mod tests {
                 (-(x * x + y * y) / (alpha * alpha)).exp() / (std::f64::consts::PI * alpha * alpha);
             // area of the facet seen over that of the surface seen
             let weight = density * cell * cos / (m.z * od.z) * f64::from(g1);
-            let (r_s, r_p) = reflectances(eta, cos);
+            let [r_s, r_p] = reflectances(eta, cos);
             let (mean, polarized) = (1.0 - 0.5 * (r_s + r_p), 0.5 * (r_p - r_s));
             let frame = |normal: glam::DVec3| normal.cross(od).normalize();
             let (s, z) = (frame(m), frame(glam::DVec3::Z));

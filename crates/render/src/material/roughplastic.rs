@@ -27,20 +27,15 @@
 //!
 //! Source: Walter et al., EGSR 2007, Eqs. 20, 21.
 
-use std::f32::consts::FRAC_1_PI;
-
 use glam::Vec3A;
 use mueller16::DielectricInterface;
 
+use super::coated::{Base, Coat, Passages, RoughlyCoated};
 use super::microfacet::Microfacets;
-use super::plastic::Base;
 use super::roughdielectric::read_two_indices;
-use super::{Departure, Effect, Matter, Part, Vertex, axis_s, mirror};
-use crate::coherence::Coherence;
-use crate::light::{Element, Light};
-use crate::sampler::cosine_hemisphere;
+use super::{axis_s, mirror};
+use crate::light::Element;
 use crate::scene::{Object, SceneError};
-use crate::spectrum::{Spectrum, SpectrumUse};
 
 /// Cosines of the tables.
 const COSINES: usize = 64;
@@ -50,9 +45,9 @@ const FACETS: usize = 48;
 
 /// What passes a rough surface, over the cosine outside.
 #[derive(Clone, Debug)]
-struct Passages([Element; COSINES]);
+pub(super) struct RoughPassages([Element; COSINES]);
 
-impl Passages {
+impl RoughPassages {
     fn new(surface: &DielectricInterface, facets: &Microfacets) -> Self {
         Self(std::array::from_fn(|place| {
             let o = direction(place);
@@ -75,7 +70,7 @@ impl Passages {
     }
 
     #[inline]
-    fn at(&self, cos: f32) -> Element {
+    pub(super) fn at(&self, cos: f32) -> Element {
         let x = cos.clamp(0.0, 1.0) * (COSINES - 1) as f32;
         let place = (x as usize).min(COSINES - 2);
         let (a, b, t) = (self.0[place], self.0[place + 1], x - place as f32);
@@ -122,142 +117,37 @@ fn inner_reflectance(surface: &DielectricInterface, facets: &Microfacets) -> f64
     2.0 * sum / (COSINES * FACETS * FACETS) as f64
 }
 
-/// A diffuse base under a rough dielectric surface.
-#[derive(Clone, Debug)]
-pub struct RoughPlastic {
-    surface: DielectricInterface,
-    facets: Microfacets,
-    passages: Box<Passages>,
-    base: Base,
-    reflectance: Spectrum,
-}
-
-impl RoughPlastic {
-    /// Reads its parameters.
-    pub fn read(object: &Object) -> Result<Self, SceneError> {
-        let (surface, _) = read_two_indices(object, "polypropylene")?;
-        let facets = Microfacets::read(object)?;
-        if !facets.is_isotropic() {
-            return Err(object.error_at(
-                "alpha_u",
-                "'alpha_u' and 'alpha_v' differ, expected one roughness: the passages through the surface are tabulated \
-                 for facets without direction",
-            ));
-        }
-        let seen = facets.seen();
-        let eta = surface.n_transmitted() / surface.n_incident();
-        Ok(Self {
-            surface,
-            facets,
-            passages: Box::new(Passages::new(&surface, &seen)),
-            base: Base::read(object, eta, inner_reflectance(&surface, &seen))?,
-            reflectance: object.spectrum(
-                "specular_reflectance",
-                SpectrumUse::Reflectance,
-                Spectrum::constant(1.0),
-            )?,
-        })
+/// Reads its parameters.
+pub fn read(object: &Object) -> Result<RoughlyCoated, SceneError> {
+    let (surface, _) = read_two_indices(object, "polypropylene")?;
+    let facets = Microfacets::read(object)?;
+    if !facets.is_isotropic() {
+        return Err(object.error_at(
+            "alpha_u",
+            "'alpha_u' and 'alpha_v' differ, expected one roughness: the passages through the surface are tabulated \
+             for facets without direction",
+        ));
     }
-
-    /// Probability of drawing a facet rather than a direction from the base.
-    #[inline]
-    fn surface_probability(&self, o: Vec3A, wavelengths: &[f32]) -> f32 {
-        let r = (1.0 - self.passages.at(o.z).mean).max(0.0);
-        let factor = self.reflectance.value(wavelengths[0]);
-        self.base.surface_probability(r, factor, wavelengths[0])
-    }
-
-    #[inline]
-    fn density(&self, o: Vec3A, i: Vec3A, h: Vec3A, wavelengths: &[f32]) -> f32 {
-        let p = self.surface_probability(o, wavelengths);
-        p * self.facets.sampling_density(o, h) / (4.0 * o.dot(h)) + (1.0 - p) * i.z * FRAC_1_PI
-    }
-}
-
-impl Matter for RoughPlastic {
-    #[inline]
-    fn sample(&self, at: &Vertex, wavelengths: &[f32], u: [f32; 3]) -> Option<Departure> {
-        let o = at.o;
-        if o.z <= 0.0 {
-            return None;
-        }
-        let i = if u[0] < self.surface_probability(o, wavelengths) {
-            mirror(o, self.facets.sample(o, [u[1], u[2]]))
-        } else {
-            cosine_hemisphere([u[1], u[2]])
-        };
-        if i.z <= 0.0 {
-            return None;
-        }
-        let density = self.density(o, i, (o + i).normalize(), wavelengths);
-        (density > 0.0 && density.is_finite()).then_some(Departure {
-            direction: i,
-            density,
-            part: Part::Continuous,
-            eta: 1.0,
-        })
-    }
-
-    #[inline]
-    fn respond<L: Light>(
-        &self,
-        at: &Vertex,
-        i: Vec3A,
-        _: Part,
-        wavelengths: &[f32],
-        _: &Coherence,
-    ) -> (L::Response, f32) {
-        let o = at.o;
-        if o.z <= 0.0 || i.z <= 0.0 {
-            return (L::depolarizing(|_| 0.0), 0.0);
-        }
-        let h = (o + i).normalize();
-        let cos = i.dot(h).min(1.0);
-        let weight =
-            self.facets.density(h) * self.facets.shadowing(i, h) * self.facets.shadowing(o, h)
-                / (4.0 * o.z);
-        let mirrored = Element::from(self.surface.reflection(f64::from(cos))).scaled(weight);
-        let surface = L::diattenuating_retarder(axis_s(h, i), |lane| {
-            mirrored.scaled(self.reflectance.value(wavelengths[lane]))
-        });
-        let base = L::depolarizer_between(
-            (axis_s(Vec3A::Z, o), self.passages.at(o.z)),
-            |lane| self.base.weight(wavelengths[lane]) * i.z,
-            (axis_s(Vec3A::Z, i), self.passages.at(i.z)),
-        );
-        (
-            L::sum(surface, base, o, -i),
-            self.density(o, i, h, wavelengths),
-        )
-    }
-
-    fn is_discrete(&self) -> bool {
-        false
-    }
-
-    fn effect(&self) -> Effect {
-        Effect {
-            depolarizes: true,
-            makes_linear: true,
-            // plastic that is thinner matter than its surroundings reflects totally
-            retards: self.surface.n_incident() > self.surface.n_transmitted(),
-            ..Effect::default()
-        }
-    }
+    let seen = facets.seen();
+    let passages = Passages::Rough(Box::new(RoughPassages::new(&surface, &seen)));
+    let base = Base::read_under(object, &surface, inner_reflectance(&surface, &seen))?;
+    Ok(RoughlyCoated {
+        coat: Coat::read(object, surface, passages, base)?,
+        facets,
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::material::microfacet::Kind;
     use crate::material::testing::{
-        assert_drawn_as_dense, difference, material_of, mean_over_draws, respond, reversed, toward,
+        assert_drawn_as_dense, assert_retraced, material_of, mean_over_draws, of_indices,
+        reflectances, toward,
     };
 
     fn plastic(more: &str) -> crate::material::Material {
-        material_of(&format!(
-            "<bsdf type='roughplastic'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/>{more}</bsdf>"
-        ))
-        .unwrap()
+        of_indices("roughplastic", [1.5, 1.0], more)
     }
 
     const ROUGH: &str = "<float name='alpha' value='0.3'/>";
@@ -273,13 +163,11 @@ mod tests {
     #[test]
     fn light_retraces_its_path() {
         for more in [ROUGH, GGX] {
-            let plastic = plastic(more);
-            let f = |o: Vec3A, i: Vec3A| respond(&plastic, o, i, Part::Continuous).0 * i.z.recip();
-            for (o, i) in [
+            for way in [
                 (toward(60.0, 10.0), toward(50.0, 170.0)),
                 (toward(30.0, 10.0), toward(75.0, 50.0)),
             ] {
-                assert!(difference(&f(o, i), &reversed(&f(i, o))) < 1e-5 * f(o, i).x_axis.x);
+                assert_retraced(&plastic(more), way, |_| 1.0, 1e-5);
             }
         }
     }
@@ -304,8 +192,8 @@ mod tests {
     #[test]
     fn passages_through_smooth_surfaces_are_fresnels() {
         let surface = DielectricInterface::new(1.0, 1.5).unwrap();
-        let facets = Microfacets::new(crate::material::microfacet::Kind::Beckmann, 1e-3, 1e-3);
-        let passages = Passages::new(&surface, &facets);
+        let facets = Microfacets::new(Kind::Beckmann, 1e-3, 1e-3);
+        let passages = RoughPassages::new(&surface, &facets);
         for place in [5, 20, 40, 63] {
             let cos = place as f32 / 63.0;
             let exact = surface.transmission(f64::from(cos)).unwrap().element;
@@ -324,8 +212,8 @@ mod tests {
     fn passages_are_sums_over_facets() {
         let (alpha, eta) = (0.4, 1.5);
         let surface = DielectricInterface::new(1.0, eta).unwrap();
-        let facets = Microfacets::new(crate::material::microfacet::Kind::Beckmann, 0.4, 0.4);
-        let passages = Passages::new(&surface, &facets);
+        let facets = Microfacets::new(Kind::Beckmann, 0.4, 0.4);
+        let passages = RoughPassages::new(&surface, &facets);
         for place in [20, 40] {
             let o = direction(place);
             let od = o.as_dvec3();
@@ -339,15 +227,9 @@ mod tests {
                 if cos <= 1e-9 {
                     continue;
                 }
-                let a = cos.acos();
-                let b = (a.sin() / eta).asin();
-                let (s, p) = ((a - b).sin() / (a + b).sin(), (a - b).tan() / (a + b).tan());
-                let (r_s, r_p) = if a < 1e-6 {
-                    (0.04, 0.04)
-                } else {
-                    (s * s, p * p)
-                };
-                let within = (m * (cos / eta - b.cos()) - od / eta).as_vec3a();
+                let [r_s, r_p] = reflectances(eta, cos);
+                let cos_t = (1.0 - (1.0 - cos * cos) / (eta * eta)).sqrt();
+                let within = (m * (cos / eta - cos_t) - od / eta).as_vec3a();
                 let density = (-(x * x + y * y) / (alpha * alpha)).exp() * cos / m.z;
                 let axis = m
                     .cross(od)

@@ -34,6 +34,45 @@ pub fn read<T>(
     Ok(matter)
 }
 
+/// Matter `plugin` with the index 1.5 in vacuum, or others.
+pub fn of_indices(plugin: &str, [inside, outside]: [f64; 2], more: &str) -> Material {
+    material_of(&format!(
+        "<bsdf type='{plugin}'><float name='int_ior' value='{inside}'/><float name='ext_ior' value='{outside}'/>{more}</bsdf>"
+    ))
+    .unwrap()
+}
+
+/// Reflectances of s and p by sines and tangents, at a face behind which the index is η times that before it.
+///
+/// Source: Born and Wolf, Principles of Optics, 7th ed., section 1.5.2, Eq. (21a).
+pub fn reflectances(eta: f64, cos: f64) -> [f64; 2] {
+    let a = cos.acos();
+    if a < 1e-6 {
+        return [((eta - 1.0) / (eta + 1.0)).powi(2); 2];
+    }
+    let b = (a.sin() / eta).asin();
+    let s = (a - b).sin() / (a + b).sin();
+    let p = (a - b).tan() / (a + b).tan();
+    [s * s, p * p]
+}
+
+/// Panics where light does not retrace its path: `f(i → o)/n_o² = X f(o → i)ᵀ X/n_i²`, relative to M00.
+pub fn assert_retraced(
+    matter: &impl Matter,
+    (o, i): (Vec3A, Vec3A),
+    index: impl Fn(Vec3A) -> f32,
+    tolerance: f32,
+) {
+    let f = |o: Vec3A, i: Vec3A| {
+        let scale = index(o).powi(-2) / i.z.abs();
+        respond(matter, o, i, Part::Continuous).0 * scale
+    };
+    let (there, back) = (f(o, i), f(i, o));
+    assert!(there.x_axis.x > 1e-3, "{o} {i}: {there}");
+    let error = difference(&there, &reversed(&back));
+    assert!(error < tolerance * there.x_axis.x, "{o} {i}: {error}");
+}
+
 /// A direction at so many degrees from the normal and an azimuth in radians; above 90 degrees on the back.
 pub fn direction(degrees: f64, azimuth: f64) -> Vec3A {
     let (sin, cos) = degrees.to_radians().sin_cos();
@@ -75,16 +114,10 @@ pub fn matrix(
     type L = Polarized<1>;
     let (response, _) =
         matter.respond::<L>(&vertex(o), i, part, &[wavelength], &Coherence::PLANE_WAVE);
-    let nothing = Element {
-        mean: 1.0,
-        difference: 0.0,
-        cosine: 1.0,
-        sine: 0.0,
-    };
     let seen = L::extend(&L::identity(axis_out), response, 1.0, o);
     let seen = L::extend(
         &seen,
-        L::diattenuating_retarder(axis_in, |_| nothing),
+        L::diattenuating_retarder(axis_in, |_| NOTHING),
         1.0,
         -i,
     );
@@ -113,6 +146,14 @@ pub fn broken_reciprocity(
     let x = Matrix4::from_diagonal(&nalgebra::Vector4::new(1.0, 1.0, -1.0, 1.0));
     (there * ratio - x * back.transpose() * x / ratio).amax()
 }
+
+/// What leaves light as it is.
+const NOTHING: Element = Element {
+    mean: 1.0,
+    difference: 0.0,
+    cosine: 1.0,
+    sine: 0.0,
+};
 
 /// Light that does not know in which of its laws it was written.
 type One = Polarized<1>;
@@ -163,15 +204,9 @@ pub fn toward(theta: f32, azimuth: f32) -> Vec3A {
 pub fn respond(matter: &impl Matter, o: Vec3A, i: Vec3A, part: Part) -> (Mat4, f32) {
     let (response, density) =
         matter.respond::<One>(&vertex(o), i, part, &GREEN, &Coherence::PLANE_WAVE);
-    let nothing = Element {
-        mean: 1.0,
-        difference: 0.0,
-        cosine: 1.0,
-        sine: 0.0,
-    };
     let [out, into] = [o, i].map(|v| axis_s(Vec3A::Z, v));
     let whole = One::extend(&One::identity(out), response, 1.0, o);
-    let turn = One::diattenuating_retarder(into, |_| nothing);
+    let turn = One::diattenuating_retarder(into, |_| NOTHING);
     let matrix = match One::extend(&whole, turn, 1.0, -i) {
         MuellerThroughput::Full { matrices, .. } => matrices[0],
         MuellerThroughput::RankOne { columns, rows, .. } => {

@@ -139,16 +139,10 @@ impl Matter for ThinDielectric {
             return None;
         }
         let [reflected, _] = self.both(o.z);
-        let (direction, density, part) = if u[0] < reflected.mean {
-            (mirror(o, Vec3A::Z), reflected.mean, Part::Discrete(0))
+        Some(if u[0] < reflected.mean {
+            Departure::mirrored(o, reflected.mean)
         } else {
-            (-o, 1.0 - reflected.mean, Part::Straight)
-        };
-        Some(Departure {
-            direction,
-            density,
-            part,
-            eta: 1.0,
+            Departure::straight(o, 1.0 - reflected.mean)
         })
     }
 
@@ -208,13 +202,12 @@ impl Matter for ThinDielectric {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::material::testing::{difference, material_of, respond, reversed, toward};
+    use crate::material::testing::{
+        difference, material_of, of_indices, respond, reversed, toward,
+    };
 
     fn pane(inside: f64, outside: f64) -> crate::material::Material {
-        material_of(&format!(
-            "<bsdf type='thindielectric'><float name='int_ior' value='{inside}'/><float name='ext_ior' value='{outside}'/></bsdf>"
-        ))
-        .unwrap()
+        of_indices("thindielectric", [inside, outside], "")
     }
 
     #[test]

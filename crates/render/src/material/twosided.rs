@@ -128,4 +128,11 @@ impl Matter for TwoSided {
         front.check_wavelengths(range)?;
         back.check_wavelengths(range)
     }
+
+    fn doubts(&self, range: [f64; 2]) -> Vec<String> {
+        self.sides()
+            .into_iter()
+            .flat_map(|side| side.doubts(range))
+            .collect()
+    }
 }

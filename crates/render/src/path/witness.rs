@@ -322,6 +322,50 @@ mod tests {
     }
 
     #[test]
+    fn an_oblique_spread_has_an_oblique_ellipse_and_its_own_fall() {
+        let lanes = [(K, 1.0)];
+        let separation = [3e-5, 2e-5];
+        let mut listener = Listener::new(&view(Vec3A::NEG_Z), &lanes, separation);
+        listener.meets(Vec3A::Z, 1.0);
+        let coherence = Coherence {
+            angular_root: [Vec3A::new(3e-3, 1e-3, 0.0), Vec3A::new(1e-3, 2e-3, 0.0)],
+            distance: 1.0,
+        };
+        let toward = Vec3A::new(0.01, 0.02, 0.999_75);
+        listener.hears(&[Vec4::X], 1.0, Some((toward, coherence)));
+        let (ellipse, degree) = listener.sums.coherence().expect("light");
+        // ΩᵀΩ = (10, 5; 5, 5)·1e-6, whatever the mean direction
+        let radius = 2.5f64.hypot(5.0);
+        for (found, spread) in [
+            (ellipse.semi_minor, 7.5 + radius),
+            (ellipse.semi_major, 7.5 - radius),
+        ] {
+            let expected = 1.0 / (K * (spread * 1e-6).sqrt());
+            // Ω in single precision, of which squares of the mean 100 times larger are taken off
+            assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
+        }
+        let widest = 0.5 * 10.0f64.atan2(5.0);
+        let across = widest + 0.5 * std::f64::consts::PI;
+        assert!((ellipse.orientation - across).abs() < 1e-5, "{ellipse:?}");
+        let [x, y] = separation;
+        let exponent = 0.5 * K * K * 1e-6 * (10.0 * x * x + 10.0 * x * y + 5.0 * y * y);
+        assert!((degree - (-exponent).exp()).abs() < 1e-6, "{degree}");
+    }
+
+    #[test]
+    fn wavelengths_count_by_their_shares() {
+        let lanes = [(K, 1.0), (2.0 * K, 3.0)];
+        let mut listener = Listener::new(&view(Vec3A::NEG_Z), &lanes, [0.0; 2]);
+        listener.meets(Vec3A::Z, 1.0);
+        let toward = Vec3A::new(0.01, 0.0, 0.999_95);
+        listener.hears(&[Vec4::X; 2], 0.5, Some((toward, Coherence::PLANE_WAVE)));
+        let (ellipse, _) = listener.sums.coherence().expect("light");
+        // kθ is 1 with the weight 1 and 2 with the weight 3: variance 3/16
+        let expected = 1.0 / ((3.0f64 / 16.0).sqrt() * K * 0.01);
+        assert!((ellipse.semi_minor / expected - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
     fn axes_are_carried_through_mirrors_and_glass() {
         let (from, to) = (
             Vec3A::new(0.6, 0.0, -0.8),

@@ -20,7 +20,6 @@ use crate::emitter::{
     laser::Laser, point::Point, rayleighsky::RayleighSky, spot::Spot,
 };
 use crate::film::FilmGeometry;
-use crate::material::Material;
 use crate::material::birefringent::Birefringent;
 use crate::material::circular::Circular;
 use crate::material::conductor::Conductor;
@@ -32,17 +31,16 @@ use crate::material::mueller::MuellerElement;
 use crate::material::null::Null;
 use crate::material::plastic::Plastic;
 use crate::material::polarizer::Polarizer;
-use crate::material::pplastic::Pplastic;
 use crate::material::retarder::Retarder;
 use crate::material::rotator::Rotator;
 use crate::material::roughconductor::RoughConductor;
 use crate::material::roughdielectric::RoughDielectric;
-use crate::material::roughplastic::RoughPlastic;
 use crate::material::roughsurface::RoughSurface;
 use crate::material::scatterer16::Scatterer16;
 use crate::material::slits::Slits;
 use crate::material::thindielectric::ThinDielectric;
 use crate::material::twosided::TwoSided;
+use crate::material::{Material, pplastic, roughplastic};
 use crate::path::PathOptions;
 use crate::sensor::Camera;
 use crate::shape::{
@@ -456,12 +454,12 @@ fn read_material(object: &Rc<Object>) -> Result<Material, SceneError> {
         "roughconductor" => Material::RoughConductor(RoughConductor::read(object)?),
         "roughsurface" => Material::RoughSurface(Box::new(RoughSurface::read(object)?)),
         "dielectric" => Material::Dielectric(Dielectric::read(object)?),
-        "pplastic" => Material::Pplastic(Pplastic::read(object)?),
+        "pplastic" => Material::RoughlyCoated(pplastic::read(object)?),
         "polarizer" => Material::Polarizer(Polarizer::read(object)?),
         "retarder" => Material::Retarder(Retarder::read(object)?),
         "circular" => Material::Circular(Circular::read(object)?),
-        "layered" => Material::Layered(Layered::read(object)?),
-        "birefringent" => Material::Birefringent(Birefringent::read(object)?),
+        "layered" => Material::Layered(Box::new(Layered::read(object)?)),
+        "birefringent" => Material::Birefringent(Box::new(Birefringent::read(object)?)),
         "rotator" => Material::Rotator(Rotator::read(object)?),
         "mueller" => Material::Mueller(MuellerElement::read(object)?),
         "grating" => Material::Grating(Box::new(Grating::read(object)?)),
@@ -470,7 +468,7 @@ fn read_material(object: &Rc<Object>) -> Result<Material, SceneError> {
         "roughdielectric" => Material::RoughDielectric(RoughDielectric::read(object)?),
         "thindielectric" => Material::ThinDielectric(ThinDielectric::read(object)?),
         "plastic" => Material::Plastic(Plastic::read(object)?),
-        "roughplastic" => Material::RoughPlastic(RoughPlastic::read(object)?),
+        "roughplastic" => Material::RoughlyCoated(roughplastic::read(object)?),
         "scatterer16" => Material::Scatterer16(Box::new(Scatterer16::read(object)?)),
         "twosided" => {
             let sides = object.children(Tag::Bsdf);

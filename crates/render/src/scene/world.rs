@@ -132,6 +132,17 @@ impl Scene {
             .try_for_each(|material| material.check_wavelengths(range))
     }
 
+    /// What the user should know of a rendering from the first to the second wavelength, nm; each thing once.
+    pub fn doubts(&self, range: [f64; 2]) -> Vec<String> {
+        let mut doubts: Vec<String> = vec![];
+        for doubt in self.materials.iter().flat_map(|m| m.doubts(range)) {
+            if !doubts.contains(&doubt) {
+                doubts.push(doubt);
+            }
+        }
+        doubts
+    }
+
     /// What transport has to know of one material.
     #[inline]
     pub fn traits_of(&self, material: u32) -> Traits {

@@ -44,6 +44,58 @@ fn uniaxial_waves_in_closed_form_are_those_of_the_general_solution() {
     }
 }
 
+fn biaxial() -> Crystal {
+    let axes = (Vector3::new(0.3, -0.5, 0.8), Vector3::new(0.1, 0.9, 0.4));
+    Crystal::biaxial([1.5, 1.6, 1.9].map(Complex64::from), axes.0, axes.1).unwrap()
+}
+
+#[test]
+fn waves_of_clear_crystals_in_real_numbers_are_those_of_the_general_solution() {
+    for crystal in crystals().iter().chain([&biaxial()]) {
+        for xi in [0.0, 1e-12, 1e-8, 1e-4, 0.3, 0.8, 1.0, 1.3] {
+            for azimuth in [0.0, 0.7, 2.0, -2.5] {
+                let clear = Directions::of_clear(crystal, xi, azimuth).unwrap();
+                let general = Directions::of_any(crystal, xi, azimuth);
+                let off = off(&clear, &general);
+                assert!(off < 1e-13, "{crystal:?} {xi} {azimuth}: {off:e}");
+            }
+        }
+    }
+    // along the optic axes of a biaxial crystal both waves are one
+    let n = [1.5, 1.6, 1.9];
+    let [a, b, c] = n.map(|n: f64| n.powi(-2));
+    let axis = ((a - b) / (a - c)).sqrt();
+    let crystal = Crystal::biaxial(n.map(Complex64::from), Vector3::y(), Vector3::x()).unwrap();
+    for angle in [0.0, 1e-14, 1e-9, 1e-5] {
+        let xi = 1.6 * (axis.asin() + angle).sin();
+        for azimuth in [0.0, std::f64::consts::PI] {
+            let clear = Directions::of_clear(&crystal, xi, azimuth).unwrap();
+            let off = off(&clear, &Directions::of_any(&crystal, xi, azimuth));
+            assert!(off < 1e-13, "{angle}: {off:e}");
+        }
+    }
+}
+
+#[test]
+fn crystals_that_are_not_clear_or_reflect_totally_are_left_to_the_general_solution() {
+    let axis = Vector3::x();
+    let absorbing = Crystal::uniaxial(1.6.into(), Complex64::new(1.5, -0.01), axis).unwrap();
+    let active = biaxial().with_gyration(&(nalgebra::Matrix3::identity() * 1e-3));
+    for crystal in [&absorbing, &active.unwrap()] {
+        assert!(Directions::of_clear(crystal, 0.3, 0.1).is_none());
+    }
+    for xi in [1.6, 1.75, 1.89, 1.95, 3.0] {
+        for azimuth in [0.0, 0.7, 2.0] {
+            if let Some(clear) = Directions::of_clear(&biaxial(), xi, azimuth) {
+                // where it finds waves, they are those of the general solution
+                let off = off(&clear, &Directions::of_any(&biaxial(), xi, azimuth));
+                assert!(off < 1e-12, "{xi} {azimuth}: {off:e}");
+            }
+        }
+    }
+    assert!(Directions::of_clear(&biaxial(), 1.95, 0.0).is_none());
+}
+
 #[test]
 fn waves_near_the_optic_axis_lose_no_digits() {
     // light along the axis inside, but for a small angle

@@ -69,6 +69,16 @@ pub struct Grating {
     lines: Lines,
     lobes: Lobes,
     capped: bool,
+    doubts: [Doubt; 2],
+}
+
+/// Where scalar theory is not to be trusted.
+#[derive(Clone, Debug)]
+struct Doubt {
+    /// Wavelength beyond which, nm.
+    beyond: f64,
+    /// Why, and the place in the scene file.
+    text: String,
 }
 
 /// What the relief is made in.
@@ -193,12 +203,11 @@ impl Matter for Grating {
         }
         let i = tangential.extend(cos2.sqrt().copysign(order.side));
         let density = self.density(&view, i, o);
-        (density > 0.0 && density.is_finite()).then_some(Departure {
-            direction: i.as_vec3a().normalize(),
-            density: density as f32,
-            part: Part::Continuous,
-            eta: (order.index / n_o) as f32,
-        })
+        Departure::continuous(
+            i.as_vec3a().normalize(),
+            density as f32,
+            (order.index / n_o) as f32,
+        )
     }
 
     fn respond<L: Light>(
@@ -269,5 +278,11 @@ impl Matter for Grating {
             disperses: true,
             ..Traits::default()
         }
+    }
+
+    fn doubts(&self, [_, longest]: [f64; 2]) -> Vec<String> {
+        // the graver first
+        let found = self.doubts.iter().find(|doubt| longest > doubt.beyond);
+        found.iter().map(|doubt| doubt.text.clone()).collect()
     }
 }

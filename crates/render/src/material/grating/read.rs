@@ -8,7 +8,7 @@ use mueller16::{Blaze, DielectricInterface, Profile};
 use super::lines::{Across, Lines};
 use super::lobes::Lobes;
 use super::shares::Shares;
-use super::{Boundary, Grating};
+use super::{Boundary, Doubt, Grating};
 use crate::material::conductor::Metal;
 use crate::material::dielectric::read_index;
 use crate::scene::{Object, SceneError};
@@ -45,7 +45,9 @@ impl Grating {
         } else {
             None
         };
-        let grating = Self {
+        notice_depth(object, shortest, depth);
+        Ok(Self {
+            doubts: doubts(object, shortest * boundary.largest_index()),
             lines: Lines {
                 across: read_direction(object)?,
                 pitch,
@@ -55,9 +57,7 @@ impl Grating {
             lobes: read_lobes(object)?,
             capped: object.choice("sharing", "capped", &["capped", "phase"])? == "capped",
             boundary,
-        };
-        notice_domain(object, &grating.boundary, shortest, depth);
-        Ok(grating)
+        })
     }
 }
 
@@ -212,30 +212,36 @@ fn read_boundary(object: &Object) -> Result<Boundary, SceneError> {
     })
 }
 
-/// Says where scalar theory is not to be trusted.
-fn notice_domain(object: &Object, boundary: &Boundary, pitch: f64, depth: f64) {
-    let optical = pitch * boundary.largest_index();
+/// Wavelengths, in the denser medium, for which a pitch is too short; `optical` is the pitch times the index there.
+fn doubts(object: &Object, optical: f64) -> [Doubt; 2] {
     let nm = |length: f64| (length * 1e9).round();
-    // light that is seen ends at 830 nm
-    if 2.0 * optical < 830e-9 {
-        object.notice_at(
-            "pitch",
+    let doubt = |beyond: f64, message: String| Doubt {
+        beyond: beyond * 1e9,
+        text: object.error_at("pitch", message).to_string(),
+    };
+    let (alone, trusted) = (2.0 * optical, optical / 5.0);
+    [
+        doubt(
+            alone,
             format!(
                 "only order 0 propagates above {} nm; there the surface acts as a birefringent layer, which scalar \
                  grating theory does not describe",
-                nm(2.0 * optical)
+                nm(alone)
             ),
-        );
-    } else if optical / 5.0 < 830e-9 {
-        object.notice_at(
-            "pitch",
+        ),
+        doubt(
+            trusted,
             format!(
                 "scalar grating theory is good for pitches above five wavelengths: here below {} nm; beyond, directions \
                  are right and efficiencies approximate",
-                nm(optical / 5.0)
+                nm(trusted)
             ),
-        );
-    }
+        ),
+    ]
+}
+
+/// Says that scalar theory is not to be trusted for deep grooves.
+fn notice_depth(object: &Object, pitch: f64, depth: f64) {
     if depth > 0.25 * pitch {
         object.notice_at(
             "depth",

@@ -534,11 +534,33 @@ fn bad_gratings_are_refused_in_words_and_doubtful_ones_noticed() {
         );
     }
     let noticed = |parameters: &[(&str, &str)]| grating(parameters).unwrap().1.join("\n");
-    assert!(
-        noticed(&[("pitch", "300nm"), ("depth", "10nm")])
-            .contains("only order 0 propagates above 600 nm")
-    );
-    assert!(noticed(&base).contains("good for pitches above five wavelengths: here below 320 nm"));
     assert!(noticed(&[("pitch", "9um"), ("depth", "3um")]).contains("a depth of 0.33 pitches"));
     assert_eq!(noticed(&[("pitch", "9um"), ("depth", "1um")]), "");
+}
+
+#[test]
+fn short_pitches_are_doubted_at_the_wavelengths_that_are_rendered() {
+    let fine = good(&[("pitch", "300nm"), ("depth", "10nm")]);
+    for (range, expected) in [
+        (
+            [550.0, 550.0],
+            "good for pitches above five wavelengths: here below 60 nm",
+        ),
+        ([360.0, 830.0], "only order 0 propagates above 600 nm"),
+        ([700.0, 700.0], "only order 0 propagates above 600 nm"),
+    ] {
+        let [doubt] = &fine.doubts(range)[..] else {
+            panic!("{range:?}")
+        };
+        assert!(
+            doubt.starts_with("test.xml:2:") && doubt.contains(expected),
+            "{doubt}"
+        );
+    }
+    let coarse = good(&[("pitch", "3um"), ("depth", "120nm")]);
+    assert!(coarse.doubts([550.0, 600.0]).is_empty());
+    assert!(coarse.doubts([550.0, 601.0])[0].contains("here below 600 nm"));
+    // in glass waves are shorter
+    let glass = good(&[("pitch", "300nm"), ("depth", "10nm"), ("int_ior", "1.5")]);
+    assert!(glass.doubts([830.0, 830.0])[0].contains("here below 90 nm"));
 }

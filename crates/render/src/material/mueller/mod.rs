@@ -31,7 +31,6 @@ use mueller16::element;
 use stokes::Mueller;
 
 use super::birefringent::narrowed;
-use super::null::straight;
 use super::polarizer::axis_for;
 use super::{Departure, Effect, Matter, Part, Traits, Vertex, axis_s, mirror};
 use crate::coherence::Coherence;
@@ -85,14 +84,9 @@ impl MuellerElement {
 impl Matter for MuellerElement {
     fn sample(&self, at: &Vertex, _: &[f32], _: [f32; 3]) -> Option<Departure> {
         if !self.reflects {
-            return straight(at.o);
+            return Some(Departure::straight(at.o, 1.0));
         }
-        (at.o.z > 0.0).then(|| Departure {
-            direction: mirror(at.o, Vec3A::Z),
-            density: 1.0,
-            part: Part::Discrete(0),
-            eta: 1.0,
-        })
+        (at.o.z > 0.0).then(|| Departure::mirrored(at.o, 1.0))
     }
 
     fn respond<L: Light>(

@@ -328,12 +328,7 @@ impl Matter for RoughSurface {
         let lit = Lit::new(&self.heights, wavelengths[lane]);
         let direction = above(lit.draw(media, above(o, side), choice, [v, w])?, side);
         let density = self.density(direction, o, wavelengths);
-        (density > 0.0 && density.is_finite()).then_some(Departure {
-            direction,
-            density,
-            part: Part::Continuous,
-            eta,
-        })
+        Departure::continuous(direction, density, eta)
     }
 
     #[inline]

@@ -21,28 +21,19 @@ pub(super) struct Lobe {
     width: Matrix2<f64>,
     determinant: f64,
     centre: Vector2<f64>,
-    /// Envelope, and M00 times the weight.
-    envelope: usize,
+    /// Its weight in R.
     weight: f64,
     /// Largest and least standard deviation, rad/m.
     deviations: [f64; 2],
 }
 
 impl Lobe {
-    /// Adds a term to lobes; those of one shape are drawn as one.
-    pub(super) fn add(
-        lobes: &mut Vec<Self>,
-        family: &GaussianFamily,
-        term: &GaussianTerm,
-        (envelope, m00): (usize, f64),
-    ) {
+    /// Adds a term to lobes; those of one shape are one.
+    pub(super) fn add(lobes: &mut Vec<Self>, family: &GaussianFamily, term: &GaussianTerm) {
         let narrowness = family.root() / term.rate.sqrt();
-        let weight = m00 * term.weight;
-        let known = |lobe: &&mut Self| {
-            lobe.envelope == envelope && lobe.centre == term.shift && lobe.narrowness == narrowness
-        };
+        let known = |lobe: &&mut Self| lobe.centre == term.shift && lobe.narrowness == narrowness;
         if let Some(same) = lobes.iter_mut().find(known) {
-            same.weight += weight;
+            same.weight += term.weight;
             return;
         }
         let width = plane::inverse(&narrowness);
@@ -52,8 +43,7 @@ impl Lobe {
             width,
             determinant: plane::determinant(&narrowness).abs(),
             centre: term.shift,
-            envelope,
-            weight,
+            weight: term.weight,
             deviations: [values[0].max(values[1]), values[0].min(values[1])],
         });
     }
@@ -63,20 +53,45 @@ impl Lobe {
         self.deviations[1]
     }
 
-    /// Share of the choice. Of a lobe that is taken off others, its modulus: what is left is below the sum.
+    /// Its weight in R, less than nothing where it is taken off other lobes.
     #[inline]
-    pub(super) fn share(&self, intensities: &[f64]) -> f64 {
-        self.weight.abs() * intensities[self.envelope]
+    pub(super) fn weight(&self) -> f64 {
+        self.weight
     }
 
-    /// Density per steradian of directions toward the light at this cosine, for light of wavenumber k.
+    /// Transform of the Gaussian of R over 2π, m²: for a plane wave, and averaged over light of directions `VᵀV` in φ.
+    ///
+    /// ```text
+    /// |det A| e^(−|q|²/2),   |det A|/√Δ e^(−(|q|² + |Bᵀq⊥|²)/2Δ)     q = A(φ − c),  B = A Vᵀ,  Δ = 1 + ‖B‖² + (det B)²
+    /// ```
+    ///
+    /// All sums are of one sign: no digits are lost for any shape of lobe and light.
     #[inline]
-    pub(super) fn density(&self, phi: &Vector2<f64>, cos: f64, k: f64) -> f64 {
+    pub(super) fn values(&self, phi: &Vector2<f64>, light: Option<&Matrix2<f64>>) -> (f64, f64) {
+        let a = &self.narrowness;
+        let q = a * (phi - self.centre);
+        let square = q.norm_squared();
+        let plane = (-0.5 * square).exp() * self.determinant;
+        let Some(v) = light else {
+            return (plane, plane);
+        };
+        let b = a * v.transpose();
+        let determinant = b.determinant();
+        let delta = 1.0 + b.norm_squared() + determinant * determinant;
+        let across = b.tr_mul(&Vector2::new(-q.y, q.x)).norm_squared();
+        let exponent = -0.5 * (square + across) / delta;
+        (plane, exponent.exp() * self.determinant / delta.sqrt())
+    }
+
+    /// Density per steradian of directions toward the light at this cosine, for light of wavenumber k; `plane` is the
+    /// first of [`Lobe::values`].
+    #[inline]
+    pub(super) fn density(&self, plane: f64, cos: f64, k: f64) -> f64 {
         if self.deviations[0] > BROAD * k {
-            return cos * FRAC_1_PI;
+            cos * FRAC_1_PI
+        } else {
+            plane / TAU * k * k * cos
         }
-        let q = plane::apply(&self.narrowness, &(phi - self.centre));
-        (-0.5 * q.norm_squared()).exp() * self.determinant / TAU * k * k * cos
     }
 
     /// Draws a direction toward the light, above the surface or below.
@@ -89,7 +104,7 @@ impl Lobe {
         let radius = (-2.0 * (1.0 - f64::from(u[0])).ln()).sqrt();
         let (sin, cos) = (TAU * f64::from(u[1])).sin_cos();
         let q = Vector2::new(radius * cos, radius * sin);
-        let phi = self.centre + plane::apply(&self.width, &q);
+        let phi = self.centre + self.width * q;
         from_tangential(phi, o, up, k)
     }
 }

@@ -38,10 +38,11 @@
 //! Source: Theorem S4.1 of Steinberg and Yan's supplemental; the factor of the cosines is that of flat matter.
 
 mod lobes;
+mod side;
 
 use glam::{Mat4, Vec3A, Vec4};
-use mueller16::{Channels, Geometry, IncidentCoherence, Matter as Stationary, Population};
-use nalgebra::{Matrix2, Matrix4, Vector2, Vector3};
+use mueller16::{Matter as Stationary, Population};
+use nalgebra::{Matrix2, Matrix4, Vector2};
 use stokes::{Envelope, Mueller, Wavelength};
 
 use super::{Departure, Effect, Matter, Part, Traits, Vertex};
@@ -51,7 +52,8 @@ use crate::geometry::frame::Frame;
 use crate::light::Light;
 use crate::scene::{Object, SceneError};
 use crate::spectrum::{Spectrum, SpectrumUse};
-use lobes::{Lobe, Order};
+use lobes::Order;
+use side::{Answer, Side};
 
 /// Most envelopes.
 const ENVELOPES: usize = 8;
@@ -61,14 +63,6 @@ const TOLERANCE: f64 = 1e-6;
 
 /// Lobes wider than this, radians, take light as from single points.
 const WIDE: f32 = 0.1;
-
-/// What the matter scatters to one side of a lit surface.
-#[derive(Clone, Debug, Default)]
-struct Side {
-    /// What decays.
-    channels: Channels,
-    lobes: Vec<Lobe>,
-}
 
 /// Locally stationary matter.
 #[derive(Clone, Debug)]
@@ -119,7 +113,7 @@ impl Scatterer16 {
             envelopes: vec![],
             centre,
             scale,
-            sides: [const { None }; 2].map(|_: Option<Side>| Side::default()),
+            sides: <[Side; 2]>::default(),
             orders: vec![],
             narrowest: f64::INFINITY,
             effect: Effect::default(),
@@ -137,8 +131,8 @@ impl Scatterer16 {
             check_realizable(parts.iter().filter(|part| part.transmits == transmits))?;
         }
         check_passive(parts)?;
-        let lobes = matter.sides.iter().flat_map(|side| &side.lobes);
-        matter.narrowest = lobes.map(Lobe::narrowest).fold(f64::INFINITY, f64::min);
+        let narrowest = matter.sides.iter().map(Side::narrowest);
+        matter.narrowest = narrowest.fold(f64::INFINITY, f64::min);
         Ok(matter)
     }
 
@@ -162,13 +156,7 @@ impl Scatterer16 {
         }
         let decaying = part.autocorrelation.clone().without_deltas();
         if decaying.term_count() > 0 {
-            for family in decaying.families() {
-                for term in family.terms() {
-                    Lobe::add(&mut side.lobes, family, term, (envelope, m[(0, 0)]));
-                }
-            }
-            let channels = std::mem::take(&mut side.channels);
-            side.channels = channels.with(&part.mueller, decaying, envelope);
+            side.add(&m, decaying, envelope);
         }
         self.effect = self.effect.and(effect_of(&part.mueller));
     }
@@ -188,8 +176,8 @@ impl Scatterer16 {
     /// Sum of all shares from which a way is drawn.
     #[inline]
     fn total(&self, intensities: &[f64; ENVELOPES]) -> f64 {
-        let lobes = self.sides.iter().flat_map(|side| &side.lobes);
-        lobes.map(|lobe| lobe.share(intensities)).sum::<f64>()
+        let lobes = self.sides.iter().flat_map(|side| side.shares(intensities));
+        lobes.map(|(share, _)| share).sum::<f64>()
             + self
                 .orders
                 .iter()
@@ -197,49 +185,25 @@ impl Scatterer16 {
                 .sum::<f64>()
     }
 
-    /// Density per steradian of the continuous part.
+    /// What all lobes answer, without the cosine of the light.
     #[inline]
-    fn density(&self, o: Vec3A, i: Vec3A, k: f64, intensities: &[f64; ENVELOPES]) -> f64 {
-        let side = &self.sides[usize::from(o.z * i.z < 0.0)];
-        let (cos, phi) = (f64::from(i.z.abs()), tangential(o, i) * k);
-        let sum: f64 = side
-            .lobes
-            .iter()
-            .map(|lobe| lobe.share(intensities) * lobe.density(&phi, cos, k))
-            .sum();
-        sum / self.total(intensities)
-    }
-
-    /// The matrix of all lobes at one vertex, with |cos i|.
     fn continuous(
         &self,
         at: &Vertex,
         i: Vec3A,
-        wavelength: Wavelength,
+        k: f64,
         coherence: &Coherence,
         intensities: &[f64; ENVELOPES],
-    ) -> Option<Matrix4<f64>> {
+    ) -> Answer {
         let side = &self.sides[usize::from(at.o.z * i.z < 0.0)];
-        if side.lobes.is_empty() {
-            return None;
-        }
-        let unit =
-            |v: Vec3A| Vector3::new(f64::from(v.x), f64::from(v.y), f64::from(v.z)).normalize();
-        let geometry = Geometry::on_plane(unit(i), unit(at.o), wavelength).ok()?;
-        let light = if coherence.is_point() {
-            IncidentCoherence::plane_wave()
-        } else {
+        let light = (!coherence.is_point()).then(|| {
             let [a, b] = coherence
                 .angular_root
-                .map(|row| at.frame.to_local(row).as_dvec3());
-            IncidentCoherence::gaussian(&geometry, &Matrix2::new(a.x, a.y, b.x, b.y)).ok()?
-        };
-        let transfer = side.channels.transfer(&geometry, &light).ok()?;
-        let mut sum = Matrix4::zeros();
-        for (place, value) in intensities.iter().enumerate().take(self.envelopes.len()) {
-            sum += transfer.of_envelope(place).to_matrix() * *value;
-        }
-        Some(sum * f64::from(i.z.abs()))
+                .map(|row| at.frame.to_local(row).as_dvec3() * k);
+            Matrix2::new(a.x, a.y, b.x, b.y)
+        });
+        let phi = tangential(at.o, i) * k;
+        side.answer(&phi, light.as_ref(), f64::from(i.z.abs()), k, intensities)
     }
 }
 
@@ -348,11 +312,12 @@ impl Matter for Scatterer16 {
             left -= share;
         }
         let lobes = [false, true].into_iter().zip(&self.sides);
-        let lobes = lobes
-            .flat_map(|(transmits, side)| side.lobes.iter().map(move |lobe| (transmits, lobe)));
+        let lobes = lobes.flat_map(|(transmits, side)| {
+            side.shares(&intensities)
+                .map(move |(share, lobe)| (transmits, share, lobe))
+        });
         let mut drawn = None;
-        for (transmits, lobe) in lobes {
-            let share = lobe.share(&intensities);
+        for (transmits, share, lobe) in lobes {
             if share > 0.0 {
                 drawn = Some((transmits, lobe));
             }
@@ -364,13 +329,9 @@ impl Matter for Scatterer16 {
         let (transmits, lobe) = drawn?;
         let up = (o.z > 0.0) != transmits;
         let direction = lobe.sample(o, up, k, [u[1], u[2]])?;
-        let density = self.density(o, direction, k, &intensities) as f32;
-        (density > 0.0 && density.is_finite()).then_some(Departure {
-            direction,
-            density,
-            part: Part::Continuous,
-            eta: 1.0,
-        })
+        let answer = self.continuous(at, direction, k, &Coherence::PLANE_WAVE, &intensities);
+        let density = (answer.density / total) as f32;
+        Departure::continuous(direction, density, 1.0)
     }
 
     fn respond<L: Light>(
@@ -395,10 +356,13 @@ impl Matter for Scatterer16 {
             Part::Straight => (orders(&|_, order| order.is_straight()), 0.0),
             Part::Discrete(index) => (orders(&|place, _| place == index as usize), 0.0),
             Part::Continuous => {
-                let found = wavelength_of(wavelengths).and_then(|wavelength| {
-                    let matrix = self.continuous(at, i, wavelength, coherence, &intensities)?;
+                let found = wavelength_of(wavelengths).map(|wavelength| {
                     let k = wavelength.wavenumber().radians_per_metre();
-                    Some((matrix, self.density(o, i, k, &intensities)))
+                    let found = self.continuous(at, i, k, coherence, &intensities);
+                    (
+                        found.matrix * f64::from(i.z.abs()),
+                        found.density / self.total(&intensities),
+                    )
                 });
                 found.unwrap_or_default()
             }
@@ -418,7 +382,7 @@ impl Matter for Scatterer16 {
     }
 
     fn is_discrete(&self) -> bool {
-        self.sides.iter().all(|side| side.lobes.is_empty())
+        self.sides.iter().all(Side::is_empty)
     }
 
     fn lobe_width(&self, _: &Vertex, wavelengths: &[f32]) -> Option<f32> {

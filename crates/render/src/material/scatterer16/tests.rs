@@ -242,6 +242,11 @@ fn what_is_no_matter_is_refused() {
             "key 'populations[0].R.apm': found an unknown key, did you mean 'amp'?",
         ),
         (
+            json!({"T": [[1, 0], [0, 1]], "R": {"kind": "relief", "phi_z": 2e7, "relief":
+                {"kind": "grating", "pitch": 2e-6, "profile": {"kind": "blazed", "depth": 3e-7, "sense": "rising"}}}}),
+            "key 'populations[0].R.relief.kind': found a grating, which has sharp orders without end, expected other",
+        ),
+        (
             json!({"T": [[1, 0], [0, 1]], "R": gaussian, "side": "back"}),
             "key 'populations[0].side': found 'back', expected 'reflection' or 'transmission'",
         ),
