@@ -106,14 +106,13 @@ fn describe(built: &BuiltScene, generator: Generator, plan: &Plan) -> String {
     if scene.emitters.is_empty() {
         line("emitter", "none: the image is black".to_owned());
     }
-    for (material, name) in scene.materials.iter().zip(&built.material_names) {
-        line(
-            "matter",
-            format!(
-                "{name}: {}",
-                what_it_does(material.effect(), material.traits())
-            ),
-        );
+    let matter = scene.materials.iter().zip(&built.material_names);
+    let matter: Vec<String> = matter
+        .map(|(m, name)| format!("{name}: {}", what_it_does(m.effect(), m.traits())))
+        .collect();
+    // matter that every shape has its own copy of is told once
+    for same in matter.chunk_by(|a, b| a == b) {
+        line("matter", same[0].clone());
     }
     for decision in plan.decisions() {
         line(decision.verdict(), decision.to_string());
@@ -151,6 +150,7 @@ fn what_it_does(effect: Effect, traits: Traits) -> String {
         (traits.coherent, "answers to coherence"),
         (traits.straight, "lets light straight through"),
         (traits.disperses, "disperses"),
+        (traits.black, "reflects nothing"),
     ]
     .into_iter()
     .filter_map(|(holds, words)| holds.then_some(words))

@@ -125,16 +125,19 @@ pub struct Traits {
     pub coherent: bool,
     /// Its directions depend on the wavelength: paths carry one wavelength each.
     pub disperses: bool,
+    /// It swallows all light.
+    pub black: bool,
 }
 
 impl Traits {
-    /// Whatever either does.
+    /// Whatever either does; black if both are.
     pub fn or(self, other: Self) -> Self {
         Self {
             discrete: self.discrete || other.discrete,
             straight: self.straight || other.straight,
             coherent: self.coherent || other.coherent,
             disperses: self.disperses || other.disperses,
+            black: self.black && other.black,
         }
     }
 }

@@ -218,6 +218,9 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
             let surface = met.surface;
             let material = &scene.materials[met.owner.material as usize];
             let traits = scene.traits_of(met.owner.material);
+            if traits.black {
+                break;
+            }
 
             let arm = (surface.position - ray.origin).length();
 

@@ -44,12 +44,19 @@ fn light(stock: &Stock<'_>) -> Vec<Decision> {
     const CONNECTIONS: &str = "connections to emitters";
     const FLAT: &str = "flat elements on the way to emitters";
     const LAST: &str = "last rays of the longest paths";
+    const BLACK: &str = "paths beyond black matter";
     let scene = &stock.built.scene;
     let mut decisions = Vec::new();
+    if let Some(matter) = stock.who(|_, traits| traits.black) {
+        decisions.push(Decision::skipped(
+            BLACK,
+            format!("{matter} reflects nothing"),
+        ));
+    }
     let scattering = match &stock.built.camera {
         Camera::IrradianceMeter(_) => Some("the sensor plane takes light".to_owned()),
         Camera::Perspective(_) => stock
-            .who(|_, traits| !traits.discrete)
+            .who(|_, traits| !traits.discrete && !traits.black)
             .filter(|_| stock.vertices() > 0)
             .map(|matter| format!("{matter} scatters light")),
     };

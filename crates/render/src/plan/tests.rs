@@ -197,7 +197,8 @@ fn what_depends_on_the_wavelength_is_found() {
         ),
         (
             sky,
-            "<bsdf type='birefringent'><string name='thickness' value='10um'/></bsdf>",
+            "<bsdf type='birefringent'><string name='no' value='1.54'/><string name='ne' value='1.55'/>\
+             <string name='thickness' value='10um'/></bsdf>",
             "birefringent (test.xml:1:",
         ),
     ] {
@@ -243,6 +244,47 @@ fn coherence_that_is_asked_for_keeps_all_wavelengths() {
 fn without_emitters_nothing_is_traced() {
     let (plan, text) = plan(&spheres(["<bsdf type='diffuse'/>"]), 8, &ONE);
     assert!(plan.dark && text.contains("skipped paths: the scene has no emitter"));
+}
+
+#[test]
+fn paths_end_at_black_matter() {
+    let lamp = "<shape type='disk'><emitter type='area'/></shape>";
+    let (_, text) = plan(
+        &(lamp.to_owned() + &spheres(["<bsdf type='null'/>"])),
+        8,
+        &ONE,
+    );
+    for line in [
+        "skipped paths beyond black matter: black (default) reflects nothing",
+        "skipped connections to emitters: no matter within reach scatters light",
+    ] {
+        assert!(text.contains(line), "{line}: {text}");
+    }
+    let mut built = built(lamp, 8);
+    assert!(built.scene.traits_of(0).black);
+    built.scene.follow_everything();
+    assert!(!built.scene.traits_of(0).black);
+    // one side that reflects is enough
+    let half = "<bsdf type='twosided'><bsdf type='diffuse'><float name='reflectance' value='0'/></bsdf>\
+                <bsdf type='diffuse'/></bsdf>";
+    let scene = super::tests::built(&spheres([half]), 8).scene;
+    assert!(!scene.traits_of(0).black);
+}
+
+#[test]
+fn wave_matter_tells_what_it_leaves_out() {
+    let rough = spheres([
+        "<bsdf type='roughsurface'><string name='height' value='0.1um'/>\
+                          <string name='length' value='5um'/></bsdf>",
+    ]);
+    let (_, text) = plan(&("<emitter type='constant'/>".to_owned() + &rough), 8, &ONE);
+    for line in [
+        "kept coherence of the light on matter: roughsurface (test.xml:1:",
+        "): all but at most ",
+        "skipped Hermite-Gauss orders above 0 of the incident light",
+    ] {
+        assert!(text.contains(line), "{line}: {text}");
+    }
 }
 
 #[test]
