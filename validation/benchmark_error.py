@@ -136,11 +136,14 @@ class Scene:
     """One scene in the making: its references, and the images of the largest budget so far."""
 
     def __init__(self, name: str, plan: Plan, to: Measured) -> None:
+        """Find the references."""
         self.name, self.plan, self.to = name, plan, to
         self.references = {mode: reference(name, mode, plan) for mode in MODES}
         self.largest: dict[tuple[str, str], list[Array]] = {}
 
-    def note(self, program: str, mode: str, turn: int, spp: int, image: Array, **spent: Any) -> None:  # noqa: ANN401
+    def note(
+        self, program: str, mode: str, turn: int, spp: int, image: Array, **spent: float | str
+    ) -> None:
         """Add the row of one image."""
         known = self.references[mode]
         square, noise = mean_square(image, known), known.noise()
@@ -160,14 +163,12 @@ class Scene:
                 wall, cpu = run.start()
                 row = {"scene": self.name, "program": "brewster", "mode": mode, "turn": turn}
                 self.to.start.append({**row, "what": "load", "wall_s": wall, "cpu_s": cpu})
-        kinds = {mode: MODES[mode]} | ({"unpolarized": ["--unpolarized"]} if mode == "mono" else {})
-        for kind, options in kinds.items():
-            with tempfile.TemporaryDirectory() as folder:
-                timed = [*options, "--size", SIZE, "--spp", str(PASS)]
-                run = alone(SCENES / self.name / "scene.xml", Path(folder), *timed)
-            row = {"scene": self.name, "program": "brewster", "kind": kind, "turn": turn}
-            row |= {"paths": run.told["paths"], "rays": run.told["rays"], "cpu_s": run.cpu()}
-            self.to.rates.append(row)
+        with tempfile.TemporaryDirectory() as folder:
+            timed = [*MODES[mode], "--size", SIZE, "--spp", str(PASS)]
+            run = alone(SCENES / self.name / "scene.xml", Path(folder), *timed)
+        row = {"scene": self.name, "program": "brewster", "mode": mode, "turn": turn}
+        row |= {"paths": run.told["paths"], "rays": run.told["rays"], "cpu_s": run.cpu()}
+        self.to.rates.append(row)
 
     def peer_turn(self, mode: str, turn: int, home: Path) -> None:
         """Let Mitsuba do the same."""
@@ -178,8 +179,9 @@ class Scene:
             return
         for (spp, image), cpu in zip(images.items(), told["cpu_s"], strict=True):
             self.note("mitsuba", mode, turn, int(spp), image, rays="", cpu_s=cpu)
-        row = {"scene": self.name, "program": "mitsuba", "kind": mode, "turn": turn}
-        self.to.rates.append({**row, "rays": "", **told["pass"]})
+        row = {"scene": self.name, "program": "mitsuba", "mode": mode, "turn": turn}
+        paths, cpu = told["pass"]["paths"], told["pass"]["cpu_s"]
+        self.to.rates.append({**row, "paths": paths, "rays": "", "cpu_s": cpu})
         for what in ("load", "compile"):
             wall, cpu = told[what]
             row = {"scene": self.name, "program": "mitsuba", "mode": mode, "turn": turn}

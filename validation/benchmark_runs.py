@@ -4,6 +4,7 @@ import json
 import os
 import platform
 import subprocess
+import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,8 @@ from typing import Any
 from common import binary, give_up
 
 KIB = 1024
+# seconds between looks at a process's memory
+POLL = 0.02
 
 
 @dataclass
@@ -45,17 +48,31 @@ def run_at_once(scene: Path, each: list[list[str]]) -> list[Run]:
         subprocess.Popen([*command, *options], text=True, stdout=subprocess.PIPE)
         for options in each
     ]
+    memory = dict.fromkeys(range(len(started)), 0)
+    while any(process.poll() is None for process in started):
+        for i, process in enumerate(started):
+            memory[i] = max(memory[i], held(process.pid))
+        time.sleep(POLL)
     runs = []
-    for process in started:
-        assert process.stdout is not None
-        text = process.stdout.read()
-        # wait4 alone says how much memory this one process held
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
+    for i, process in enumerate(started):
+        text, _ = process.communicate()
         if process.returncode != 0:
             give_up(f"failed with status {process.returncode}: {' '.join(command)}")
-        runs.append(Run(json.loads(text), usage.ru_maxrss * KIB))
+        runs.append(Run(json.loads(text), memory[i]))
     return runs
+
+
+def held(pid: int) -> int:
+    """Return the most memory that a process has held so far, bytes; 0 where no one says.
+
+    What wait4 says counts the parent's memory too, up to the moment the program is loaded.
+    """
+    try:
+        status = Path(f"/proc/{pid}/status").read_text()
+    except OSError:
+        return 0
+    lines = [line for line in status.splitlines() if line.startswith("VmHWM:")]
+    return int(lines[0].split()[1]) * KIB if lines else 0
 
 
 def alone(scene: Path, folder: Path, *options: str) -> Run:
