@@ -71,7 +71,12 @@ def checked(words: argparse.ArgumentParser) -> argparse.Namespace:
 
 def origin(part: str) -> str:
     """Return what goes on top of a CSV: command, version, time, machine, load."""
-    command = f"validation/benchmark.py {' '.join(sys.argv[1:])}".strip()
+    words = list(sys.argv[1:])
+    # places of this machine say nothing elsewhere
+    for i, word in enumerate(words[:-1]):
+        if word in ("--python", "-o"):
+            words[i + 1] = {"--python": "PYTHON", "-o": "DIR"}[word]
+    command = f"validation/benchmark.py {' '.join(words)}".strip()
     version = subprocess.run([binary(), "--version"], text=True, stdout=subprocess.PIPE).stdout
     now = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC")
     load = f"{os.getloadavg()[0]:.1f}"
@@ -97,7 +102,7 @@ def measure(part: str, args: argparse.Namespace, folder: Path, peer: str | None)
     elif part == "polarization":
         files = {part: benchmark_scaling.polarization(args.scenes, args.turns)}
     elif part == "threads":
-        files = {part: benchmark_scaling.threads(args.scenes, args.turns)}
+        files = {part: benchmark_scaling.threads(args.scenes, min(args.turns, 3))}
     elif part == "triangles":
         files = {part: benchmark_scaling.triangles(min(args.turns, 3), args.largest)}
     elif part == "lamps":

@@ -23,7 +23,7 @@ LAMPS = [1, 3, 10, 30, 100, 300, 1000]
 BANDS = [1, 2, 4, 8, 16, 32, 64]
 # measured over bands: plain numbers, and matter whose indices follow the wavelength
 COLOURED = ["rough_conductor", "cornell_spectral"]
-# those of the scaling rows: enough for the smallest differences asked about
+# samples a pixel
 SPP = 16
 
 
@@ -53,7 +53,7 @@ def threads(scenes: list[str], turns: int) -> list[Row]:
         for scene in scenes:
             file = SCENES / scene / "scene.xml"
             for turn in range(turns):
-                options = [*SIZE, "--spp", str(4 * SPP)]
+                options = [*SIZE, "--spp", str(2 * SPP)]
                 one = alone(file, folder, *options, "--threads", str(cores))
                 many = side_by_side(cores, file, folder, *options, "--threads", "1")
                 row = {"scene": scene, "turn": turn, "threads": cores}
