@@ -80,7 +80,10 @@ def read(path: Path) -> Image:
     """Read an EXR that Brewster wrote for one wavelength or with `--rgb`."""
     with OpenEXR.File(str(path), separate_channels=True) as exr:
         channels = {n: np.asarray(c.pixels, np.float64) for n, c in exr.channels().items()}
-    return Image(_components(channels, ""), _components(channels, ".var"))
+    mean = _components(channels, "")
+    # a single sample has no variance
+    several = any(name.startswith("S0.var") for name in channels)
+    return Image(mean, _components(channels, ".var") if several else np.full_like(mean, np.nan))
 
 
 # -------------------------------------------------------------- statistics

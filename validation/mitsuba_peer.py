@@ -25,8 +25,15 @@ def installed(python: str) -> bool:
     return found.returncode == 0
 
 
-def run(python: str, scene: Path, *options: str) -> dict[str, Any]:
+def run(
+    python: str,
+    scene: Path,
+    *options: str,
+    script: Path = SCRIPT,
+    environment: dict[str, str] | None = None,
+) -> dict[str, Any]:
     """Render with Mitsuba and return what the script printed."""
-    command = [python, str(SCRIPT), str(scene), *options]
-    out = subprocess.run(command, check=True, text=True, stdout=subprocess.PIPE).stdout
+    command = [python, str(script), str(scene), *options]
+    done = subprocess.run(command, check=True, text=True, stdout=subprocess.PIPE, env=environment)
+    out = done.stdout
     return json.loads(out.splitlines()[-1])

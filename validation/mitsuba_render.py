@@ -15,15 +15,13 @@ from pathlib import Path
 
 import mitsuba as mi
 import numpy as np
+from mitsuba_figures import LUMINANCE, UNIT_LUMINANCE
 
 LLVM = [
     "/usr/lib/x86_64-linux-gnu/libLLVM.so.19.1",
     "/usr/lib/aarch64-linux-gnu/libLLVM.so.19.1",
     "/usr/lib/llvm-19/lib/libLLVM.so",
 ]
-# luminance of the unit spectrum in the spectral variants
-UNIT_LUMINANCE = 1.0010
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 def cpu_seconds() -> float:
@@ -38,6 +36,18 @@ def use_llvm() -> bool:
     if found:
         os.environ.setdefault("DRJIT_LIBLLVM_PATH", found)
     return "DRJIT_LIBLLVM_PATH" in os.environ
+
+
+def stokes_of(images: np.ndarray, variant: str, luminance: bool) -> np.ndarray:
+    """Return S [..., 4, C] of films: one number in mono variants and with `luminance`."""
+    # the film's own channels come first, then S0.R … S3.B
+    stokes = images.astype(float)[..., -12:]
+    stokes = stokes.reshape(*stokes.shape[:-1], 4, 3)
+    if "mono" in variant:
+        stokes = stokes[..., :1]
+    elif luminance:
+        stokes = (stokes @ LUMINANCE)[..., None] / UNIT_LUMINANCE
+    return stokes
 
 
 def main() -> None:
@@ -67,13 +77,7 @@ def main() -> None:
         images.append(np.array(mi.render(scene, spp=args.spp, seed=seed)))
         seconds.append(cpu_seconds() - start)
     if args.out:
-        # the film's own channels come first, then S0.R … S3.B
-        stokes = np.stack(images).astype(float)[..., -12:]
-        stokes = stokes.reshape(*stokes.shape[:-1], 4, 3)
-        if "mono" in args.variant:
-            stokes = stokes[..., :1]
-        elif args.luminance:
-            stokes = (stokes @ LUMINANCE)[..., None] / UNIT_LUMINANCE
+        stokes = stokes_of(np.stack(images), args.variant, args.luminance)
         error = stokes.std(0, ddof=1) / np.sqrt(args.batches)
         np.savez_compressed(args.out, S=stokes.mean(0), stderr=error)
     height, width = images[0].shape[:2]

@@ -39,7 +39,9 @@ CHECKS = {
     "scattering": [str(PYTHON), "validation/scattering.py", "--self-test"],
     "surfaces": [str(PYTHON), "validation/surfaces.py", "--self-test"],
     "stability": [str(PYTHON), "validation/stability.py", "--self-test"],
+    "stress_images": [str(PYTHON), "validation/stress_images.py"],
     "references": [str(PYTHON), "validation/references.py"],
+    "benchmark": [str(PYTHON), "validation/benchmark.py", "--quick"],
 }
 # those with more to do when there is time
 WITH_FULL = {"stability", "references"}

@@ -136,14 +136,21 @@ impl Count {
     }
 
     /// Variance of the mean of a value, from sums over complete blocks of it and of its square; infinite if unknown.
-    fn variance(self, sum: f64, squares: f64) -> f64 {
+    ///
+    /// `size` is the sum of the sizes of the terms of `squares`: differences within their rounding are none.
+    fn variance(self, sum: f64, squares: f64, size: f64) -> f64 {
         let n = self.blocks() as f64;
         if n < 2.0 {
             return f64::INFINITY;
         }
         let mean = sum / n;
-        let of_a_block = (squares / n - mean * mean).max(0.0) * n / (n - 1.0);
-        of_a_block / (self.block as f64 * self.samples as f64)
+        let spread = squares / n - mean * mean;
+        // a square, its weight and up to six products, the mean and its square round; sums of n grow as √n at worst
+        let rounding = 16.0 * f64::EPSILON * n.sqrt() * size / n;
+        if spread <= rounding {
+            return 0.0;
+        }
+        spread * n / (n - 1.0) / (self.block as f64 * self.samples as f64)
     }
 }
 
@@ -257,7 +264,7 @@ impl PixelSums<'_> {
     pub fn estimate(&self, component: usize, colour: usize, count: Count) -> (f64, f64) {
         let sums = &self.sums[colour];
         let all = sums[component] + sums[4 + component];
-        let variance = count.variance(sums[component], sums[8 + component]);
+        let variance = count.variance(sums[component], sums[8 + component], sums[8 + component]);
         (all / count.samples as f64, variance)
     }
 
@@ -268,12 +275,13 @@ impl PixelSums<'_> {
         let products = self.products.get(colour).filter(|_| count.blocks() > 1)?;
         let sums = &self.sums[colour];
         let complete = (0..4).map(|k| weights[k] * sums[k]).sum();
-        let squares: f64 = (0..4).map(|k| weights[k] * weights[k] * sums[8 + k]).sum();
+        let squares = (0..4).map(|k| weights[k] * weights[k] * sums[8 + k]);
         let pairs = PAIRS.into_iter().zip(products);
-        let pairs: f64 = pairs
-            .map(|((a, b), product)| 2.0 * weights[a] * weights[b] * product)
-            .sum();
-        Some(count.variance(complete, squares + pairs))
+        let pairs = pairs.map(|((a, b), product)| 2.0 * weights[a] * weights[b] * product);
+        let (all, size) = squares.chain(pairs).fold((0.0, 0.0), |(sum, size), term| {
+            (sum + term, size + term.abs())
+        });
+        Some(count.variance(complete, all, size))
     }
 }
 

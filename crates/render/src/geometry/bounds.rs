@@ -38,8 +38,8 @@ impl Bounds {
     }
 
     /// Grown by at least `margin` on every side, rounded outward.
-    fn grown_outward(self, margin: f32) -> Self {
-        let Self { min, max } = self.grown(Vec3A::splat(margin));
+    fn grown_outward(self, margin: Vec3A) -> Self {
+        let Self { min, max } = self.grown(margin);
         Self {
             min: Vec3A::from_array(min.to_array().map(f32::next_down)),
             max: Vec3A::from_array(max.to_array().map(f32::next_up)),
@@ -68,13 +68,19 @@ impl Primitive {
                 let triangle = Bounds::of([*a, *b, *c]);
                 if !parallelogram {
                     let extent = (triangle.max - triangle.min).max_element();
-                    return triangle.grown_outward(gamma(8) * extent);
+                    return triangle.grown_outward(Vec3A::splat(gamma(8) * extent));
                 }
                 let whole = Bounds::of([*a, *b, *c, *b + *c - *a]);
-                // the fourth corner is rounded, and three others stand for it in the test
-                let coordinate = whole.min.abs().max(whole.max.abs()).max_element();
-                let extent = (whole.max - whole.min).max_element();
-                whole.grown_outward(gamma(4) * coordinate + gamma(24) * extent)
+                // the fourth corner is rounded, and three others stand for it in the test; across a side that is
+                // parallel to two axes nothing is added for that, so that rays that leave it do not meet it again
+                let coordinate = whole.min.abs().max(whole.max.abs());
+                let extent = whole.max - whole.min;
+                let margin = Vec3A::select(
+                    extent.cmpgt(Vec3A::ZERO),
+                    Vec3A::splat(gamma(24) * extent.max_element()),
+                    Vec3A::ZERO,
+                );
+                whole.grown_outward(coordinate * gamma(4) + margin)
             }
             Self::Other(bounds) => *bounds,
         }

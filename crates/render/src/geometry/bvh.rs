@@ -1,6 +1,6 @@
 //! The bounding volume hierarchy: obvhs builds the binary tree, which is collapsed to eight children a node.
 //!
-//! The only place, with [`super::collapse`], that knows obvhs. Leaves hold either up to four flat primitives, tested at
+//! The only place, with `collapse.rs`, that knows obvhs. Leaves hold either up to four flat primitives, tested at
 //! once, or one shape of another kind, which the caller intersects.
 
 use std::time::Duration;
@@ -26,6 +26,8 @@ pub struct Bvh {
     /// The largest coordinate.
     pub(super) reach: f32,
     depth: usize,
+    /// Where there is one primitive and it is not flat.
+    only: Option<u32>,
     instructions: Instructions,
 }
 
@@ -60,6 +62,7 @@ impl Bvh {
             blocks: in_large_pages(wide.blocks),
             reach: whole.min.abs().max(whole.max.abs()).max_element(),
             depth: wide.depth,
+            only: matches!(primitives, [Primitive::Other(_)]).then_some(0),
             instructions: Instructions::choose(),
         }
     }
@@ -98,6 +101,11 @@ impl Bvh {
     ) -> Option<Hit> {
         if self.nodes.is_empty() {
             return None;
+        }
+        if let Some(primitive) = self.only {
+            // its box would cost as much as the primitive itself
+            let (t, u, v) = shape(primitive, ray.t_max)?;
+            return Some(Hit { t, primitive, u, v });
         }
         self.instructions
             .walk::<ANY>(self, ray, &mut stack.0, shape)

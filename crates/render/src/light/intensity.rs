@@ -2,7 +2,7 @@
 
 use glam::{Mat4, Vec3, Vec3A, Vec4, vec4};
 
-use super::{Element, Emission, Light};
+use super::{Element, Emission, Light, Sight};
 
 /// Scalar transport: S0 alone.
 #[derive(Clone, Copy, Debug)]
@@ -98,6 +98,11 @@ impl<const N: usize> Light for Intensity<N> {
     fn strength(throughput: &[f32; N]) -> f32 {
         throughput.iter().copied().fold(0.0, f32::max)
     }
+    #[inline]
+    fn sight(_: &[f32; N]) -> Sight {
+        Sight::BLIND
+    }
+
     #[inline]
     fn scale(throughput: &mut [f32; N], weight: f32) {
         for t in throughput {

@@ -18,6 +18,7 @@ mod intensity;
 mod polarized;
 #[cfg(test)]
 mod polarized_tests;
+mod sight;
 
 use glam::{Mat4, Vec3, Vec3A, Vec4, vec4};
 use stokes::DiattenuatingRetarder;
@@ -93,6 +94,7 @@ impl From<DiattenuatingRetarder> for Element {
 
 pub use intensity::Intensity;
 pub use polarized::{MuellerResponse, MuellerThroughput, Polarized};
+pub use sight::Sight;
 
 /// What a source sends along one ray, at every wavelength of the path.
 #[derive(Clone, Copy, Debug)]
@@ -192,6 +194,8 @@ pub trait Light: Copy + std::fmt::Debug + Send + Sync + 'static {
     fn accumulate(sum: &mut Self::Stokes, more: Self::Stokes, weight: f32);
     /// The largest T00 over the wavelengths: what reaches the sensor of unpolarized light of unit radiance.
     fn strength(throughput: &Self::Throughput) -> f32;
+    /// Which linearly polarized light makes more S0 at the sensor than other light, all wavelengths together.
+    fn sight(throughput: &Self::Throughput) -> Sight;
     /// Scales the path by `weight`.
     fn scale(throughput: &mut Self::Throughput, weight: f32);
 }

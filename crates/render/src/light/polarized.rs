@@ -2,7 +2,7 @@
 
 use glam::{Mat4, Vec3, Vec3A, Vec4, vec4};
 
-use super::{Element, Emission, Light};
+use super::{Element, Emission, Light, Sight};
 
 /// Vector transport: S0, S1, S2, S3.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +59,7 @@ pub enum MuellerThroughput<const N: usize> {
 
 /// cos 2θ and sin 2θ of the angle from `from` to `to`, counter-clockwise about `k`; all unit, `from` and `to` across `k`.
 #[inline]
-fn double_angle(from: Vec3A, to: Vec3A, k: Vec3A) -> (f32, f32) {
+pub(super) fn double_angle(from: Vec3A, to: Vec3A, k: Vec3A) -> (f32, f32) {
     let c = from.dot(to);
     let s = k.cross(from).dot(to);
     // normalised: the axes are perpendicular to k only up to rounding
@@ -577,6 +577,30 @@ impl<const N: usize> Light for Polarized<N> {
             }
             MuellerThroughput::Intensity { columns } => columns.map(|c| c.x),
         })
+    }
+
+    #[inline]
+    fn sight(throughput: &Self::Throughput) -> Sight {
+        let sum = |row: &dyn Fn(usize) -> [f32; 3]| {
+            (0..N)
+                .map(row)
+                .fold([0.0; 3], |a, b| std::array::from_fn(|k| a[k] + b[k]))
+        };
+        match throughput {
+            MuellerThroughput::Full { axis, matrices } => {
+                let of = |m: &Mat4| [m.x_axis.x, m.y_axis.x, m.z_axis.x];
+                Sight::new(*axis, sum(&|i| of(&matrices[i])))
+            }
+            MuellerThroughput::RankOne {
+                axis,
+                columns,
+                rows,
+            } => Sight::new(
+                *axis,
+                sum(&|i| [rows[i].x, rows[i].y, rows[i].z].map(|r| columns[i].x * r)),
+            ),
+            MuellerThroughput::Intensity { .. } => Sight::BLIND,
+        }
     }
 
     #[inline]

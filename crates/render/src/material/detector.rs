@@ -108,7 +108,7 @@ impl Matter for Detector {
 mod tests {
     use super::*;
     use crate::geometry::frame::Frame;
-    use crate::light::{MuellerResponse, Polarized};
+    use crate::light::{MuellerResponse, Polarized, Sight};
     use crate::sampler::SampleStream;
 
     fn window(round: bool) -> Detector {
@@ -130,6 +130,7 @@ mod tests {
             position: Vec3A::new(0.05, 0.02, 0.0),
             frame: Frame::around(Vec3A::new(0.1, 0.2, 0.9).normalize()),
             viewer_distance: 0.0,
+            sight: Sight::BLIND,
         }
     }
 

@@ -17,7 +17,7 @@
 use glam::Vec3A;
 use mueller16::DielectricInterface;
 
-use super::{Departure, Effect, Matter, Part, Vertex, axis_s, mirror, unknown_name};
+use super::{Departure, Effect, Matter, Part, Traits, Vertex, axis_s, mirror, unknown_name};
 use crate::coherence::Coherence;
 use crate::ior;
 use crate::light::{Element, Light};
@@ -110,7 +110,10 @@ impl Matter for Dielectric {
         }
         let cos_o = f64::from(o.z.abs());
         let interface = self.side(o);
-        let reflected = interface.reflection(cos_o).mean as f32;
+        let reflection = Element::from(interface.reflection(cos_o));
+        // in proportion to what the sensor sees of unpolarized light on either way
+        let seen = at.sight.along(axis_s(Vec3A::Z, o), o);
+        let reflected = (reflection.mean + seen * reflection.difference).clamp(0.0, 1.0);
         if u[0] < reflected {
             return Some(Departure::mirrored(o, reflected));
         }
@@ -171,6 +174,13 @@ impl Matter for Dielectric {
 
     fn is_grey(&self, range: [f64; 2]) -> bool {
         self.reflectance.is_constant_over(range) && self.transmittance.is_constant_over(range)
+    }
+
+    fn traits(&self) -> Traits {
+        Traits {
+            chooses: true,
+            ..Traits::default()
+        }
     }
 
     fn effect(&self) -> Effect {

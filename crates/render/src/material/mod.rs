@@ -39,7 +39,7 @@ use glam::Vec3A;
 
 use crate::coherence::Coherence;
 use crate::geometry::frame::Frame;
-use crate::light::Light;
+use crate::light::{Light, Sight};
 use crate::scene::{Object, SceneError, nearest};
 
 /// A point on matter, as a camera path meets it.
@@ -51,8 +51,10 @@ pub struct Vertex {
     pub position: Vec3A,
     /// Shading normal and axis U: what "local" means.
     pub frame: Frame,
-    /// Length of the path to the vertex before, toward the camera, metres.
+    /// Length of the path to the vertex before, toward the camera, metres; told where matter answers to coherence.
     pub viewer_distance: f32,
+    /// What polarization the sensor sees from here, local; told where matter chooses by it ([`Traits::chooses`]).
+    pub sight: Sight,
 }
 
 /// Which part of what matter does a direction belongs to.
@@ -127,6 +129,8 @@ pub struct Traits {
     pub disperses: bool,
     /// It swallows all light.
     pub black: bool,
+    /// It chooses between reflection and passage by [`Vertex::sight`].
+    pub chooses: bool,
 }
 
 impl Traits {
@@ -138,6 +142,7 @@ impl Traits {
             coherent: self.coherent || other.coherent,
             disperses: self.disperses || other.disperses,
             black: self.black && other.black,
+            chooses: self.chooses || other.chooses,
         }
     }
 }

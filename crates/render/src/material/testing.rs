@@ -10,7 +10,7 @@ use nalgebra::Matrix4;
 use super::{Material, Matter, Part, Vertex, axis_s};
 use crate::coherence::Coherence;
 use crate::geometry::frame::Frame;
-use crate::light::{Element, Light, MuellerThroughput, Polarized};
+use crate::light::{Element, Light, MuellerThroughput, Polarized, Sight};
 use crate::sampler::SampleStream;
 use crate::scene::{Object, Overrides, SceneError, build, read_text};
 
@@ -95,6 +95,7 @@ pub fn vertex(o: Vec3A) -> Vertex {
             n: Vec3A::Z,
         },
         viewer_distance: 1.0,
+        sight: Sight::BLIND,
     }
 }
 

@@ -139,10 +139,13 @@ impl Matter for ThinDielectric {
             return None;
         }
         let [reflected, _] = self.both(o.z);
-        Some(if u[0] < reflected.mean {
-            Departure::mirrored(o, reflected.mean)
+        // in proportion to what the sensor sees of unpolarized light on either way
+        let seen = at.sight.along(axis_s(Vec3A::Z, o), o);
+        let reflected = (reflected.mean + seen * reflected.difference).clamp(0.0, 1.0);
+        Some(if u[0] < reflected {
+            Departure::mirrored(o, reflected)
         } else {
-            Departure::straight(o, 1.0 - reflected.mean)
+            Departure::straight(o, 1.0 - reflected)
         })
     }
 
@@ -181,6 +184,7 @@ impl Matter for ThinDielectric {
     fn traits(&self) -> Traits {
         Traits {
             straight: true,
+            chooses: true,
             ..Traits::default()
         }
     }

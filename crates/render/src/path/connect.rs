@@ -3,12 +3,12 @@
 use glam::Vec3A;
 
 use super::witness::Witness;
-use super::{Walk, power_heuristic};
+use super::{POINT, ROULETTE, Walk, power_heuristic};
 use crate::coherence::Coherence;
 use crate::emitter::{Connection, Emitter, Target};
 use crate::geometry::frame::Frame;
 use crate::geometry::ray::offset_origin;
-use crate::light::{Emission, Light};
+use crate::light::{Emission, Light, Sight};
 use crate::material::{Material, Matter, Part, Vertex};
 use crate::scene::Scene;
 use crate::shape::Surface;
@@ -37,19 +37,22 @@ pub(super) struct Arrival<L: Light> {
 }
 
 impl<L: Light, W: Witness, const WAVES: bool> Walk<'_, L, W, WAVES> {
-    /// Adds the light of one emitter, or of several if the matter answers to coherence.
+    /// Adds the light of one emitter, or of several if the matter answers to coherence; `dimension` is the vertex's first.
     #[inline]
     pub(super) fn connect(
         &mut self,
         throughput: &L::Throughput,
         place: &Place<'_>,
         choice: f32,
-        u: [f32; 3],
+        dimension: u32,
     ) {
         if WAVES && let Some(lobe) = place.lobe {
-            self.connect_lobe(throughput, place, lobe, choice, u);
+            let [u, v] = self.stream.pair(dimension + POINT);
+            let [_, which] = self.stream.pair(dimension + ROULETTE);
+            self.connect_lobe(throughput, place, lobe, choice, [u, v, which]);
         } else if let Some((emitter, chosen)) = self.scene.choose_emitter(choice) {
-            self.connect_point(throughput, place, emitter, chosen, [u[0], u[1]]);
+            let u = self.stream.pair(dimension + POINT);
+            self.connect_point(throughput, place, emitter, chosen, u);
         }
     }
 
@@ -170,6 +173,7 @@ impl<L: Light, W: Witness, const WAVES: bool> Walk<'_, L, W, WAVES> {
                 position: met.surface.position,
                 frame,
                 viewer_distance: (met.surface.position - from.position).length(),
+                sight: Sight::BLIND,
             };
             let material = &self.scene.materials[met.owner.material as usize];
             let (response, _) = material.respond::<L>(

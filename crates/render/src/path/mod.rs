@@ -27,7 +27,7 @@ use crate::coherence::Coherence;
 use crate::geometry::bvh::Stack;
 use crate::geometry::frame::Frame;
 use crate::geometry::ray::{Ray, offset_origin};
-use crate::light::Light;
+use crate::light::{Light, Sight};
 use crate::material::{Departure, Material, Matter, Part, Vertex};
 use crate::sampler::SampleStream;
 use crate::scene::{Encounter, Scene};
@@ -88,9 +88,17 @@ struct Waiting<'a> {
     lobe: f32,
 }
 
-/// Random dimensions: the film takes 0 and 1, the wavelength 2; then eight a vertex.
+/// Random dimensions: the film takes 0 and 1, the wavelength 2; then eight a vertex, in pairs, drawn when they are needed.
 const FIRST_VERTEX: u32 = 4;
 const PER_VERTEX: u32 = 8;
+/// Of a vertex: a point on a light source.
+const POINT: u32 = 0;
+/// Which light source, and which part of the matter.
+const CHOICES: u32 = 2;
+/// The direction that the path takes.
+const DIRECTION: u32 = 4;
+/// Whether it ends, and which of several patches.
+const ROULETTE: u32 = 6;
 
 /// A camera sample: where it looks and the wavelengths that it carries.
 #[derive(Clone, Copy, Debug)]
@@ -215,14 +223,19 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
             if depth == options.max_depth {
                 break;
             }
-            let surface = met.surface;
+            let surface = &met.surface;
             let material = &scene.materials[met.owner.material as usize];
             let traits = scene.traits_of(met.owner.material);
             if traits.black {
                 break;
             }
 
-            let arm = (surface.position - ray.origin).length();
+            // only waves ask how far it is
+            let arm = if WAVES {
+                (surface.position - ray.origin).length()
+            } else {
+                f32::INFINITY
+            };
 
             // light that matter scatters comes to the vertex behind from a point; what that matter lets through
             // unscattered still has to tell where it comes from
@@ -237,8 +250,8 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
 
             // end weak paths
             let dimension = FIRST_VERTEX + PER_VERTEX * (depth - 1);
-            let [choice, roulette] = self.stream.pair(dimension + 2);
             if depth > options.rr_depth && known {
+                let [roulette, _] = self.stream.pair(dimension + ROULETTE);
                 let reach = scattered.as_ref().unwrap_or(&throughput);
                 let survival = (L::strength(reach) * eta * eta).min(0.95);
                 if roulette >= survival {
@@ -257,6 +270,11 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
                 position: surface.position,
                 frame,
                 viewer_distance: arm,
+                sight: if L::POLARIZED && traits.chooses && waiting.is_none() {
+                    L::sight(&throughput).map_axis(|v| frame.to_local(v))
+                } else {
+                    Sight::BLIND
+                },
             };
             let lit_frame = if vertex.o.z < 0.0 {
                 frame.flipped()
@@ -274,20 +292,19 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
             }
 
             // connect to a light source
-            let [drawn, spare] = self.stream.pair(dimension + 6);
+            let [choice, drawn] = self.stream.pair(dimension + CHOICES);
             if !traits.discrete {
                 let place = connect::Place {
                     material,
-                    surface: &surface,
+                    surface,
                     vertex: &vertex,
                     lit_frame: &lit_frame,
                     lobe,
                     // links that a way through flat matter may still have
                     room: options.max_depth - depth - 1,
                 };
-                let u = self.stream.pair(dimension);
                 let reach = scattered.as_ref().unwrap_or(&throughput);
-                self.connect(reach, &place, choice, [u[0], u[1], spare]);
+                self.connect(reach, &place, choice, dimension);
             }
 
             // the last ray is for light alone
@@ -296,7 +313,7 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
             }
 
             // go on toward the light
-            let [u, v] = self.stream.pair(dimension + 4);
+            let [u, v] = self.stream.pair(dimension + DIRECTION);
             let Some(departure) = material.sample(&vertex, self.wavelengths, [drawn, u, v]) else {
                 break;
             };

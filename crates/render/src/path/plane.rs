@@ -3,10 +3,10 @@
 use glam::Vec3A;
 
 use super::witness::Witness;
-use super::{Origin, Walk, connect};
+use super::{CHOICES, DIRECTION, Origin, Walk, connect};
 use crate::coherence::Coherence;
 use crate::geometry::ray::{Ray, offset_origin};
-use crate::light::Light;
+use crate::light::{Light, Sight};
 use crate::material::{Material, Matter, Part, Vertex};
 use crate::shape::Surface;
 
@@ -35,7 +35,7 @@ pub struct PlanePoint<'a> {
     pub scale: f32,
 }
 
-/// Random dimensions of the plane: beyond those of every vertex.
+/// First random dimension of the plane: beyond those of every vertex.
 const DIMENSIONS: u32 = 1 << 31;
 
 impl<L: Light, W: Witness, const WAVES: bool> Walk<'_, L, W, WAVES> {
@@ -59,6 +59,7 @@ impl<L: Light, W: Witness, const WAVES: bool> Walk<'_, L, W, WAVES> {
             position: surface.position,
             frame,
             viewer_distance: 0.0,
+            sight: Sight::BLIND,
         };
         let mut throughput = L::identity(frame.s);
         L::scale(&mut throughput, point.scale.recip());
@@ -66,8 +67,7 @@ impl<L: Light, W: Witness, const WAVES: bool> Walk<'_, L, W, WAVES> {
 
         // a link from the plane to a light source is the first
         let links = self.options.max_depth.checked_sub(1)?;
-        let [choice, drawn] = self.stream.pair(DIMENSIONS);
-        let [spare, _] = self.stream.pair(DIMENSIONS + 2);
+        let [choice, drawn] = self.stream.pair(DIMENSIONS + CHOICES);
         let place = connect::Place {
             material: point.detector,
             surface,
@@ -76,10 +76,9 @@ impl<L: Light, W: Witness, const WAVES: bool> Walk<'_, L, W, WAVES> {
             lobe: None,
             room: links,
         };
-        let [u, v] = self.stream.pair(DIMENSIONS + 4);
-        self.connect(&throughput, &place, choice, [u, v, spare]);
+        self.connect(&throughput, &place, choice, DIMENSIONS);
 
-        let [u, v] = self.stream.pair(DIMENSIONS + 6);
+        let [u, v] = self.stream.pair(DIMENSIONS + DIRECTION);
         let departure = point
             .detector
             .sample(&vertex, self.wavelengths, [drawn, u, v])?;

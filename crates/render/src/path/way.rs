@@ -15,7 +15,7 @@ use crate::emitter::Emitter;
 use crate::emitter::patch::{Outline, Patch};
 use crate::geometry::frame::Frame;
 use crate::geometry::ray::{Ray, offset_origin};
-use crate::light::Light;
+use crate::light::{Light, Sight};
 use crate::material::{Matter, Part, Vertex};
 use crate::shape::Surface;
 
@@ -173,6 +173,7 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
                 position: met.surface.position,
                 frame,
                 viewer_distance: (met.surface.position - from.position).length(),
+                sight: Sight::BLIND,
             };
             if *part != Part::Straight {
                 let material = &self.scene.materials[met.owner.material as usize];

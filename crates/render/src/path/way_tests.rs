@@ -17,6 +17,7 @@ use glam::DVec3;
 
 use super::*;
 use crate::light::Intensity;
+use crate::light::Sight;
 use crate::material::Departure;
 use crate::path::{Counters, PathOptions};
 use crate::sampler::SampleStream;
@@ -76,6 +77,7 @@ fn distances(content: &str, from: DVec3, direction: DVec3, parts: &[Part]) -> Op
             position: surface.position,
             frame: surface.frame,
             viewer_distance: 1.0,
+            sight: Sight::BLIND,
         };
         let bent = scene.materials[met.owner.material as usize].bend(&vertex, *part, &[550.0])?;
         ray.direction = surface.frame.to_world(bent);
@@ -102,6 +104,7 @@ fn distances(content: &str, from: DVec3, direction: DVec3, parts: &[Part]) -> Op
             position,
             frame,
             viewer_distance: 1.0,
+            sight: Sight::BLIND,
         },
         start: (Vec3A::ZERO, direction),
         departure,

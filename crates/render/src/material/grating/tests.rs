@@ -8,7 +8,7 @@ use stokes::Wavelength;
 
 use super::*;
 use crate::geometry::frame::Frame;
-use crate::light::{MuellerResponse, Polarized};
+use crate::light::{MuellerResponse, Polarized, Sight};
 use crate::material::Material;
 use crate::sampler::SampleStream;
 use crate::scene::{Overrides, build, read_text};
@@ -53,6 +53,7 @@ fn vertex(o: Vec3A) -> Vertex {
             n: Vec3A::Z,
         },
         viewer_distance: 1.0,
+        sight: Sight::BLIND,
     }
 }
 

@@ -10,6 +10,7 @@ use stokes::Wavelength;
 use super::*;
 use crate::geometry::frame::Frame;
 use crate::light::Intensity;
+use crate::light::Sight;
 use crate::sampler::{SampleStream, uniform_sphere};
 use crate::scene::read_text;
 
@@ -55,6 +56,7 @@ fn vertex(o: Vec3A) -> Vertex {
             n: Vec3A::Z,
         },
         viewer_distance: 1.0,
+        sight: Sight::BLIND,
     }
 }
 

@@ -6,7 +6,7 @@ use stokes::Wavelength;
 
 use super::*;
 use crate::geometry::frame::Frame;
-use crate::light::{MuellerResponse, Polarized};
+use crate::light::{MuellerResponse, Polarized, Sight};
 use crate::material::Material;
 use crate::sampler::SampleStream;
 use crate::scene::{Overrides, build, read_text};
@@ -51,6 +51,7 @@ fn vertex(o: Vec3A, viewer_distance: f32) -> Vertex {
             n: Vec3A::Z,
         },
         viewer_distance,
+        sight: Sight::BLIND,
     }
 }
 

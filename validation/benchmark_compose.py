@@ -1,0 +1,107 @@
+"""Puts the benchmark's report together from the CSV files that are there."""
+
+from pathlib import Path
+
+import benchmark_growth as growth
+import benchmark_report as report
+import benchmark_tables as tables
+from benchmark_plots import draw
+from benchmark_stats import TARGET, TRIMMED
+from common import ROOT
+
+HEAD = """# Benchmark
+
+Error against CPU time, and how cost grows. Made by `validation/benchmark.py`, which needs
+`validation/run.py` to have run once; every section names its command, version, time and machine.
+All of it:
+
+    validation/.venv/bin/python validation/benchmark.py --python ~/mitsuba/bin/python
+"""
+ERROR = f"""
+Each scene at its own film's size, or at the size that the command names. A turn renders every
+budget once in each program and mode, the programs taking turns, with seeds of its own. RMSE is
+√⟨(image − reference)² − Var reference⟩ over all pixels, mean of the turns; where the reference's
+own variance is more than a quarter of it, marked *, it is the scatter between the turns. CPU
+seconds are user and system time of all threads while sampling (Mitsuba: `mi.render` and the copy
+to numpy), without loading, compiling and writing. CPU seconds to {TARGET:.0%} are those of the
+largest budget × (RMSE/target)², target {TARGET} of mean S0. Components that vanish in both are
+left out. Ratio: Mitsuba's seconds over Brewster's, above 1 Brewster is faster. Rare bright paths
+make S0 of some scenes heavy-tailed, so that two figures stand beside it: the median of the turns,
+and the scatter without the {TRIMMED:.0%} of pixels where it is greatest.
+"""
+SPEED = """
+10⁶ a core-second at 256×256, 16 samples a pixel, the best of the turns. Paths are camera samples.
+"""
+START = """
+Seconds / CPU seconds. Brewster: everything that is not sampling (loading, building, writing a
+small image). Mitsuba: loading, and compiling with an empty cache of kernels (a first render
+beyond a second one).
+"""
+POLARIZATION = """
+CPU time of sampling with polarization over that of `--unpolarized`, at 256×256, 16 samples a
+pixel. `matte box` is the Cornell box with white plaster in place of metal and glass: nothing
+polarizes there.
+"""
+THREADS = """
+One process with a thread a core against one process of one thread a core, all at once; paths per
+second of the clock while sampling, the two taking turns.
+"""
+TRIANGLES = """
+A displaced sphere of plastic over a matte floor under one lamp, 256×256, 16 samples; the picture
+hardly changes with the number of triangles. Memory is the most that the process held, the text of
+the file included.
+"""
+LAMPS = """
+A plastic sphere on a floor under one lamp, or more that are together as large, spread over a
+ceiling; 256×256, 16 samples. The error is what `--json` says: √(mean variance)/mean S0, worst
+component.
+"""
+WAVELENGTHS = """
+`--bands 400:700:N`, 128×128, 16 samples. One path carries up to four bands.
+"""
+THEOREM = """
+Time against error of Hermite-Gauss series over their order, in 64 and 32 bits, and of the
+interaction over orders, terms and channels, are measured by
+
+    python3 validation/run_time_against_error.py
+"""
+
+
+def section(title: str, about: str, made: str, *texts: str) -> str:
+    """Return a section with its origin."""
+    command, _, rest = made.partition("; ")
+    text = f"\n## {title}\n{about}\n    {command}\n\n{rest}.\n\n"
+    return text + "\n".join(texts)
+
+
+def theorem() -> str:
+    """Return the section about the theorem crates, whose figures have a script of their own."""
+    text = "\n## The theorem's crates\n" + THEOREM
+    for name in ("run_time_against_error", "interaction_run_time"):
+        if (ROOT / "docs" / f"{name}.csv").exists():
+            text += f"\n[{name}.csv]({name}.csv)\n\n![{name}]({name}.png)\n"
+    return text
+
+
+def compose(folder: Path) -> str:
+    """Return the report, and draw its pictures."""
+    text = HEAD
+    made, error = tables.read(folder / "error.csv")
+    if error:
+        _, scatter = tables.read(folder / "scatter.csv")
+        pictures = [f"![{scene}](benchmark/{scene}.png)\n" for scene in draw(error, folder)]
+        modes = [report.equal_error(error, scatter, mode) for mode in report.TITLES]
+        text += section("Time to equal error", ERROR, made, *modes, *pictures)
+    for title, about, name, table in (
+        ("Paths per core-second", SPEED, "rates", report.speed),
+        ("Before the first sample", START, "start", report.start),
+        ("What polarization costs", POLARIZATION, "polarization", growth.polarization),
+        ("Threads", THREADS, "threads", growth.threads),
+        ("Triangles", TRIANGLES, "triangles", growth.triangles),
+        ("Lamps", LAMPS, "lamps", lambda rows: growth.growth(rows, "lamps")),
+        ("Wavelengths", WAVELENGTHS, "wavelengths", lambda rows: growth.growth(rows, "bands")),
+    ):
+        made, rows = tables.read(folder / f"{name}.csv")
+        if rows:
+            text += section(title, about, made, table(rows))
+    return text + theorem()

@@ -1,0 +1,77 @@
+"""Stress test of images: sizes, slivers, long paths, lamps, wavelengths, grazing and smooth matter.
+
+    validation/.venv/bin/python validation/stress_images.py [CASE …] [--report FILE]
+
+Every extreme has a closed form, or a twin: the same scene in ordinary numbers and with the same
+seed, path by path the same up to rounding.  Tolerances come from the counts of roundings on top of
+`stress_cases.py`, or from the noise the images state.  The last rows count samples that the program
+rejected as not finite, and pixels and variances that are not finite.
+"""
+
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import stress_scenes
+from common import Image, Report, arguments, read, render
+from stress_cases import CASES, Judge, chosen
+
+HEAD = """# Stability of images
+
+What the extremes of scenes do to images, by
+
+    validation/.venv/bin/python validation/stress_images.py --report docs/stability-images.md
+
+Each row is a deviation from a closed form or from the same scene in ordinary numbers, and the limit
+that rounding (32 bits along paths) or the images' own noise sets. The reasons for limits stand on
+top of `validation/stress_cases.py`.
+
+In a box of perfect mirrors a path that hits within rounding of an edge may miss the wall on the
+other side of it, and be lost with the rest of its light: the row of the mean says how much that is.
+
+"""
+
+
+def main() -> int:
+    """Render, judge, print."""
+    parser = arguments(__doc__)
+    parser.add_argument("cases", nargs="*", metavar="CASE", help=f"of {', '.join(CASES)}")
+    parser.add_argument("--report", metavar="FILE", type=Path, help="write a table of it, too")
+    args = parser.parse_args()
+    if unknown := set(args.cases) - set(CASES):
+        parser.error(f"no case {', '.join(sorted(unknown))}, expected of {', '.join(CASES)}")
+    report = Report("Stability of images")
+    rejected, broken = 0, 0
+
+    def shoot(text: str, *options: str, mesh: str | None = None) -> Image:
+        """Render a scene file of this text, beside an OBJ file if there is one."""
+        nonlocal rejected, broken
+        with tempfile.TemporaryDirectory() as folder:
+            scene, out = Path(folder) / "scene.xml", Path(folder) / "image.exr"
+            scene.write_text(text)
+            if mesh is not None:
+                (Path(folder) / "mesh.obj").write_text(mesh)
+            told = render(scene, out, "--spp", str(stress_scenes.SAMPLES), *options)
+            image = read(out)
+        rejected += told["rejected"]
+        broken += int((~np.isfinite(image.mean)).sum() + (~np.isfinite(image.variance)).sum())
+        return image
+
+    for _, case in chosen(args.cases):
+        case(Judge(shoot, report))
+    report.within("samples rejected", rejected, 0)
+    report.within("numbers that are not finite", broken, 0)
+    if args.report:
+        rows = []
+        for what, value, limit, good in report.rows:
+            name = what.replace("|", "\\|")
+            verdict = "ok" if good else "DIFFERS"
+            rows.append(f"| {name} | {value:.3g} | {limit:.3g} | {verdict} |")
+        table = ["| extreme | found | limit | |", "|---|---:|---:|---|", *rows]
+        args.report.write_text(HEAD + "\n".join(table) + "\n", encoding="utf-8")
+    return report.finish()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
