@@ -457,3 +457,37 @@ fn inspect_tells_what_can_be_polarized() {
         assert!(text.contains(word), "{text}");
     }
 }
+
+#[test]
+fn explain_says_what_is_skipped_and_because_of_whom() {
+    let place = Place::new();
+    let output = place.run("render scene.xml --quiet --explain -o a.exr", 0);
+    let text = String::from_utf8(output.stderr).unwrap();
+    for line in [
+        "kept     S1, S2: roughconductor (scene.xml:11:",
+        "kept     flat elements on the way to emitters: polarizer (scene.xml:12:",
+        "skipped  coherence of the light on matter: no matter answers to it",
+        "skipped  all wavelengths but one: 550 nm is asked for",
+    ] {
+        assert!(text.contains(line), "{line}: {text}");
+    }
+    let output = place.run("render scene.xml --quiet --explain --no-skip -o b.exr", 0);
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        text.contains("no matter answers to it; followed all the same (--no-skip)"),
+        "{text}"
+    );
+    place.run(
+        "compare a.exr b.exr --max-rmse 1e-6 --max-bias 1e-6 --max-abs 1e-6",
+        0,
+    );
+    // and beforehand
+    let text = String::from_utf8(place.run("inspect scene.xml --rgb", 0).stdout).unwrap();
+    for line in [
+        "polarizes linearly, lets light straight through",
+        "kept        wavelengths: emitter constant (scene.xml:10:",
+        "skipped     a path for each wavelength: no matter sends them different ways",
+    ] {
+        assert!(text.contains(line), "{line}: {text}");
+    }
+}

@@ -60,11 +60,11 @@ impl Shot {
         let built = build(document, overrides).unwrap_or_else(|error| panic!("{error}"));
         let mut job = Job {
             polarized: self.polarized,
-            follow_polarization: self.polarized,
             samples: self.spp,
             seed: self.seed,
             ..Job::new(built, self.mode.clone())
         };
+        job.plan.stokes = self.polarized;
         job.paths.patch = self.patch.unwrap_or(job.paths.patch);
         job
     }

@@ -171,6 +171,21 @@ impl Spectrum {
         matches!(self.0, Shape::Constant(_))
     }
 
+    /// Whether the value is the same at all wavelengths of a range in nm.
+    #[must_use]
+    pub fn is_constant_over(&self, [from, to]: [f64; 2]) -> bool {
+        match &self.0 {
+            Shape::Constant(_) => true,
+            Shape::Table { knots, held } => {
+                // a table that ends inside the range is zero at one end of it
+                let end = interpolate(knots, *held, from);
+                let inside = knots.iter().filter(|knot| from <= knot.0 && knot.0 <= to);
+                interpolate(knots, *held, to) == end && inside.clone().all(|knot| knot.1 == end)
+            }
+            Shape::Colour { .. } => from == to,
+        }
+    }
+
     /// First and last wavelength in nm of a table that is zero outside; `None` for all else.
     #[must_use]
     pub fn domain(&self) -> Option<[f64; 2]> {
@@ -342,7 +357,31 @@ mod tests {
         assert_eq!(table.value(399.9), 0.0);
         assert_eq!(table.value(700.1), 0.0);
         assert!(!table.is_constant());
+        assert!(table.is_constant_over([300.0, 399.0]) && !table.is_constant_over([300.0, 400.0]));
         assert_eq!(table.at(550.0), Spectrum::constant(0.5));
+    }
+
+    #[test]
+    fn a_table_of_one_value_is_constant_where_it_is_known() {
+        let knots = vec![(400.0, 0.3), (500.0, 0.3), (600.0, 0.3), (700.0, 0.4)];
+        let table = Spectrum::tabulated(knots.clone()).expect("sound knots");
+        for (range, expected) in [
+            ([400.0, 600.0], true),
+            ([420.0, 480.0], true),
+            ([399.0, 600.0], false),
+            ([400.0, 601.0], false),
+            ([300.0, 800.0], false),
+            ([750.0, 800.0], true),
+        ] {
+            assert_eq!(table.is_constant_over(range), expected, "{range:?}");
+        }
+        let held = Spectrum::tabulated_held(knots).expect("sound knots");
+        assert!(held.is_constant_over([300.0, 600.0]) && !held.is_constant_over([300.0, 700.0]));
+        let red = Spectrum::rgb_reflectance([0.5, 0.1, 0.1]);
+        assert!(!red.is_constant_over([400.0, 700.0]));
+        assert!(Spectrum::rgb_reflectance([0.5; 3]).is_constant_over([360.0, 830.0]));
+        // white light is that of the day
+        assert!(!Spectrum::rgb_emission([1.0; 3]).is_constant_over([360.0, 830.0]));
     }
 
     #[test]

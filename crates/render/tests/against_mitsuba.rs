@@ -13,6 +13,7 @@ use std::sync::atomic::AtomicBool;
 
 use render::engine::{Job, Limits, render};
 use render::film::SpectralMode;
+use render::plan::Plan;
 use render::scene::{self, Overrides};
 
 /// Mean and standard error of S0..S3.
@@ -29,7 +30,7 @@ fn quarters(name: &str, mode: SpectralMode, polarized: bool) -> Vec<Mean> {
     let colours = mode.colours();
     let job = Job {
         polarized,
-        follow_polarization: polarized,
+        plan: Plan::in_full(&built.scene, &mode, polarized),
         samples: 512,
         seed: 1,
         ..Job::new(built, mode)
@@ -267,7 +268,7 @@ fn rectangle_in_a_furnace(inside: &str) -> f32 {
     let built = scene::build(&document, Overrides::default()).expect("a scene");
     let job = Job {
         polarized: false,
-        follow_polarization: false,
+        plan: Plan::in_full(&built.scene, &ONE, false),
         samples: 256,
         seed: 1,
         ..Job::new(built, ONE)

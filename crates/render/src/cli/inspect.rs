@@ -1,13 +1,14 @@
-//! `brewster inspect`: what a scene holds, what its matter does to polarization, and what can arrive at the sensor.
+//! `brewster inspect`: what a scene holds, what its matter does to light, and what of it an image needs.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use super::values::Define;
+use super::wavelengths::Wavelengths;
 use super::{Failure, Outcome};
 use crate::emitter::Emitter;
-use crate::material::{Effect, Matter};
-use crate::needs::{Component, Needs};
+use crate::material::{Effect, Matter, Traits};
+use crate::plan::{Plan, Request};
 use crate::sampler::Generator;
 use crate::scene::{self, BuiltScene, Overrides};
 
@@ -19,6 +20,8 @@ pub struct Args {
     /// Fill $NAME in the scene file
     #[arg(short = 'D', value_name = "NAME=VALUE")]
     define: Vec<Define>,
+    #[command(flatten)]
+    wavelengths: Wavelengths,
     /// Generator of the random numbers, as `brewster render` would get it
     #[arg(long, value_enum, default_value_t)]
     sampler: Generator,
@@ -34,14 +37,23 @@ pub fn run(args: &Args) -> Outcome {
     let wrong = |e: scene::SceneError| Failure::Usage(e.to_string());
     let document = scene::read(&args.scene, &defines).map_err(wrong)?;
     let built = scene::build(&document, Overrides::default()).map_err(wrong)?;
-    print!("{}", describe(&built, args.sampler));
+    let request = Request {
+        mode: &args.wavelengths.mode(),
+        polarized: true,
+        coherence: false,
+        skip: true,
+    };
+    print!(
+        "{}",
+        describe(&built, args.sampler, &Plan::of(&built, &request))
+    );
     for notice in document.notices() {
         println!("notice      {notice}");
     }
     Ok(ExitCode::SUCCESS)
 }
 
-fn describe(built: &BuiltScene, generator: Generator) -> String {
+fn describe(built: &BuiltScene, generator: Generator, plan: &Plan) -> String {
     let BuiltScene {
         scene,
         camera,
@@ -94,32 +106,18 @@ fn describe(built: &BuiltScene, generator: Generator) -> String {
     if scene.emitters.is_empty() {
         line("emitter", "none: the image is black".to_owned());
     }
-    for (material, name) in scene.materials.iter().zip(&built.material_names) {
-        line(
-            "matter",
-            format!("{name}: {}", what_it_does(material.effect())),
-        );
+    let matter = scene.materials.iter().zip(&built.material_names);
+    let matter: Vec<String> = matter
+        .map(|(m, name)| format!("{name}: {}", what_it_does(m.effect(), m.traits())))
+        .collect();
+    // matter that every shape has its own copy of is told once
+    for same in matter.chunk_by(|a, b| a == b) {
+        line("matter", same[0].clone());
     }
-    let needs = Needs::of(scene, paths, &built.material_names);
-    line("S0", "other than zero wherever light arrives".to_owned());
-    line("S1, S2", told(&needs.linear));
-    line("S3", told(&needs.circular));
-    if !needs.polarization() {
-        line(
-            "skipped",
-            "Stokes vectors: S0 alone is transported, the rest is zero".to_owned(),
-        );
+    for decision in plan.decisions() {
+        line(decision.verdict(), decision.to_string());
     }
     lines.join("\n") + "\n"
-}
-
-fn told(component: &Component) -> String {
-    let may = if component.possible {
-        "may be other than zero"
-    } else {
-        "zero"
-    };
-    format!("{may}: {}", component.reason)
 }
 
 fn how_it_shines(emitter: &Emitter) -> String {
@@ -135,7 +133,7 @@ fn how_it_shines(emitter: &Emitter) -> String {
     }
 }
 
-fn what_it_does(effect: Effect) -> String {
+fn what_it_does(effect: Effect, traits: Traits) -> String {
     let said: Vec<&str> = [
         (
             effect.depolarizes && effect.makes_linear,
@@ -148,13 +146,14 @@ fn what_it_does(effect: Effect) -> String {
         (effect.makes_linear, "polarizes linearly"),
         (effect.makes_circular, "polarizes circularly"),
         (effect.retards, "retards"),
+        (effect == Effect::default(), "keeps polarization"),
+        (traits.coherent, "answers to coherence"),
+        (traits.straight, "lets light straight through"),
+        (traits.disperses, "disperses"),
+        (traits.black, "reflects nothing"),
     ]
     .into_iter()
     .filter_map(|(holds, words)| holds.then_some(words))
     .collect();
-    if said.is_empty() {
-        "keeps polarization".to_owned()
-    } else {
-        said.join(", ")
-    }
+    said.join(", ")
 }

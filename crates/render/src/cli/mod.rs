@@ -9,6 +9,7 @@ pub mod maps;
 mod progress;
 pub mod render;
 pub mod values;
+mod wavelengths;
 
 /// Why a command could not do its work, in the words that the user reads.
 #[derive(Debug, thiserror::Error)]

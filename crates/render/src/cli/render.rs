@@ -8,18 +8,16 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use cpu_time::ProcessTime;
 
 use super::progress::{progress_bar, show, stop_on_interrupt};
-use super::values::{
-    Band, Crop, Define, Separation, Size, parse_duration, parse_error, parse_patch,
-    parse_wavelength,
-};
+use super::values::{Crop, Define, Separation, Size, parse_duration, parse_error, parse_patch};
+use super::wavelengths::Wavelengths;
 use super::{Failure, Outcome};
 use crate::analyzer::{self, Destination, Incident};
 use crate::engine::{self, Job, Limits, Rendering};
 use crate::film::SpectralMode;
 use crate::image::{Colour, SAMPLES, SAMPLES_PER_BLOCK, StokesImage};
 use crate::maps::{self, MapOptions};
-use crate::needs::Needs;
 use crate::output::{self, ImageError, WriteOptions};
+use crate::plan::{Plan, Request};
 use crate::sampler::Generator;
 use crate::scene::{self, Overrides};
 
@@ -47,15 +45,8 @@ pub struct Args {
     /// Render only this window of the film
     #[arg(long, value_name = "X,Y,W,H")]
     crop: Option<Crop>,
-    /// One wavelength [default: 550nm]
-    #[arg(long, value_name = "550nm", value_parser = parse_wavelength, conflicts_with_all = ["bands", "rgb"])]
-    wavelength: Option<f64>,
-    /// Equal bands of wavelengths; each shows the mean over its band
-    #[arg(long, value_name = "FROM:TO:N", conflicts_with = "rgb")]
-    bands: Option<Band>,
-    /// Linear sRGB of every Stokes component, from 360 to 830 nm
-    #[arg(long)]
-    rgb: bool,
+    #[command(flatten)]
+    wavelengths: Wavelengths,
     /// S0 alone, by scalar transport
     #[arg(long)]
     unpolarized: bool,
@@ -100,6 +91,12 @@ pub struct Args {
     /// Write exactly the channels that Mitsuba writes
     #[arg(long)]
     mitsuba_channels: bool,
+    /// Say what the scene does not need and is skipped, what is kept, and because of whom
+    #[arg(long)]
+    explain: bool,
+    /// Follow what the scene does not need too; the image is the same within rounding
+    #[arg(long)]
+    no_skip: bool,
     /// No progress bar and no notices
     #[arg(short, long)]
     quiet: bool,
@@ -123,6 +120,11 @@ pub fn run(args: &Args) -> Outcome {
         .build()
         .map_err(|e| Failure::Work(format!("{threads} threads cannot be started: {e}")))?;
     let (job, notices) = load(args)?;
+    if args.explain {
+        for decision in job.plan.decisions() {
+            eprintln!("{:<8} {decision}", decision.verdict());
+        }
+    }
     if !args.quiet {
         for notice in analyzers.notices.iter().chain(&notices) {
             eprintln!("notice: {notice}");
@@ -265,13 +267,7 @@ fn load(args: &Args) -> Result<(Job, Vec<String>), Failure> {
             film.size[1]
         )));
     }
-    let mode = if args.rgb {
-        SpectralMode::Rgb
-    } else if let Some(Band { from, to, count }) = args.bands {
-        SpectralMode::Bands { from, to, count }
-    } else {
-        SpectralMode::Single(args.wavelength.unwrap_or(550.0))
-    };
+    let mode = args.wavelengths.mode();
     built.scene.check_wavelengths(mode.range()).map_err(wrong)?;
     let mut notices = document.notices();
     notices.extend(built.scene.doubts(mode.range()));
@@ -287,12 +283,23 @@ fn load(args: &Args) -> Result<(Job, Vec<String>), Failure> {
             MOST_MEMORY as f64 / GIB as f64
         )));
     }
-    let needs = Needs::of(&built.scene, &built.paths, &built.material_names);
     built.paths.patch = args.patch.unwrap_or(built.paths.patch);
+    let plan = Plan::of(
+        &built,
+        &Request {
+            mode: &mode,
+            polarized: !args.unpolarized,
+            coherence: args.coherence.is_some(),
+            skip: !args.no_skip,
+        },
+    );
+    if args.no_skip {
+        built.scene.follow_everything();
+    }
     let samples = args.spp.unwrap_or(built.samples);
     let job = Job {
         polarized: !args.unpolarized,
-        follow_polarization: !args.unpolarized && needs.polarization(),
+        plan,
         coherence: args.coherence.map(|separation| separation.0),
         samples,
         block: args

@@ -192,6 +192,20 @@ impl Emitter {
         }
     }
 
+    /// Whether its light is the same at all wavelengths of a range, nm.
+    pub fn is_grey(&self, range: [f64; 2]) -> bool {
+        match &self.kind {
+            Kind::Area(e) => e.radiance.is_constant_over(range),
+            Kind::Constant(e) => e.radiance.is_constant_over(range),
+            Kind::Point(e) => e.intensity.is_constant_over(range),
+            Kind::Spot(e) => e.intensity.is_constant_over(range),
+            Kind::Directional(e) => e.irradiance.is_constant_over(range),
+            Kind::Laser(e) => e.power.is_constant_over(range),
+            Kind::RayleighSky(e) => e.is_grey(range),
+            Kind::Schell(_) => false,
+        }
+    }
+
     /// The name of its plugin.
     pub fn plugin(&self) -> &'static str {
         match &self.kind {

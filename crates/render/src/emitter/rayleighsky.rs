@@ -127,6 +127,13 @@ impl RayleighSky {
         Ok(sky)
     }
 
+    /// Whether its light is the same at all wavelengths of a range, nm.
+    pub(super) fn is_grey(&self, range: [f64; 2]) -> bool {
+        !self.spectral
+            && self.irradiance.is_constant_over(range)
+            && self.ground.is_constant_over(range)
+    }
+
     /// Radiance from a direction toward the sky.
     fn radiance(&self, toward: Vec3A, wavelength_nm: f32) -> f32 {
         let mu = self.horizon.n.dot(toward);

@@ -16,6 +16,7 @@ use rayon::prelude::*;
 use crate::film::{Count, FilmGeometry, PixelSums, SpectralMode, TileSums};
 use crate::filter::FilterSampler;
 use crate::path::{Counters, PathOptions};
+use crate::plan::Plan;
 use crate::scene::{BuiltScene, Scene};
 use crate::sensor::Camera;
 use worker::tile_pass;
@@ -35,8 +36,8 @@ pub struct Job {
     pub mode: SpectralMode,
     /// Whether the image has four components, or S0 alone.
     pub polarized: bool,
-    /// Whether Stokes vectors are followed; where the scene makes no polarization S0 alone gives the same image.
-    pub follow_polarization: bool,
+    /// What is followed.
+    pub plan: Plan,
     /// Separation for the degree of coherence, metres toward image right and up; `None`: coherence is not asked for.
     pub coherence: Option<[f64; 2]>,
     /// Samples a pixel.
@@ -51,13 +52,13 @@ impl Job {
     /// All Stokes components of a scene in its own samples, independent ones, with seed 0 and without coherence.
     pub fn new(built: BuiltScene, mode: SpectralMode) -> Self {
         Self {
+            plan: Plan::in_full(&built.scene, &mode, true),
             scene: built.scene,
             camera: built.camera,
             film: built.film,
             paths: built.paths,
             mode,
             polarized: true,
-            follow_polarization: true,
             coherence: None,
             samples: built.samples,
             block: 1,

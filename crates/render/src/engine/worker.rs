@@ -1,5 +1,7 @@
 //! One thread at work: camera samples of the pixels of a tile.
 
+use glam::Vec4;
+
 use super::Job;
 use crate::colour::{rgb_weights, sample_wavelength};
 use crate::film::{SampleColours, SampleSums, SpectralMode, TileSums};
@@ -8,6 +10,7 @@ use crate::geometry::bvh::Stack;
 use crate::light::{Intensity, Light, Polarized};
 use crate::path::witness::{CoherenceSums, Listener, View};
 use crate::path::{CameraSample, Counters, Start, trace};
+use crate::plan::Wavelengths;
 use crate::sampler::SampleStream;
 
 /// Adds a range of samples to every pixel of a tile.
@@ -18,22 +21,19 @@ pub(super) fn tile_pass(
     range: std::ops::Range<u64>,
     stack: &mut Stack,
 ) -> (Counters, u64) {
-    match (&job.mode, job.follow_polarization) {
-        (SpectralMode::Single(_), false) => {
+    match (job.plan.stokes, job.plan.wavelengths) {
+        (false, Wavelengths::Together) => {
+            Worker::<Intensity<4>>::new(job, filter).run(tile, range, stack)
+        }
+        (true, Wavelengths::Together) => {
+            Worker::<Polarized<4>>::new(job, filter).run(tile, range, stack)
+        }
+        (false, Wavelengths::One | Wavelengths::Apart) => {
             Worker::<Intensity<1>>::new(job, filter).run(tile, range, stack)
         }
-        (SpectralMode::Single(_), true) => {
+        (true, Wavelengths::One | Wavelengths::Apart) => {
             Worker::<Polarized<1>>::new(job, filter).run(tile, range, stack)
         }
-        // directions that depend on the wavelength: a path for each
-        (_, false) if job.scene.traits().disperses => {
-            Worker::<Intensity<1>>::new(job, filter).run(tile, range, stack)
-        }
-        (_, true) if job.scene.traits().disperses => {
-            Worker::<Polarized<1>>::new(job, filter).run(tile, range, stack)
-        }
-        (_, false) => Worker::<Intensity<4>>::new(job, filter).run(tile, range, stack),
-        (_, true) => Worker::<Polarized<4>>::new(job, filter).run(tile, range, stack),
     }
 }
 
@@ -118,6 +118,10 @@ impl<'a, L: Light> Worker<'a, L> {
         });
         // weights are those of the wavelengths in the coherence
         let mut path = |wavelengths: &[f32], weight: &dyn Fn(usize) -> f32| {
+            if job.plan.dark {
+                self.counters.paths += 1;
+                return L::dark();
+            }
             if let Some(ear) = &mut ear {
                 ear.listen::<L>(wavelengths, weight, stack, &mut self.counters);
             }
@@ -135,9 +139,17 @@ impl<'a, L: Light> Worker<'a, L> {
                 &mut (),
             )
         };
+        // where it does not depend on the wavelength
+        let grey = job.plan.wavelengths == Wavelengths::One;
         match &job.mode {
             SpectralMode::Single(wavelength) => {
                 colours.add(0, path(&[*wavelength as f32], &|_| 1.0).as_ref()[0]);
+            }
+            SpectralMode::Bands { from, count, .. } if grey => {
+                let seen = path(&[*from as f32], &|_| 1.0).as_ref()[0];
+                for band in 0..*count {
+                    colours.add(band, seen);
+                }
             }
             SpectralMode::Bands { from, to, count } => {
                 let width = (to - from) / *count as f64;
@@ -159,14 +171,22 @@ impl<'a, L: Light> Worker<'a, L> {
                 let drawn: [(f32, f32); PER_SAMPLE] = std::array::from_fn(|k| {
                     sample_wavelength((u + k as f32 / PER_SAMPLE as f32).fract())
                 });
-                for drawn in drawn.chunks(L::LANES) {
-                    let wavelengths = L::lanes(|lane| drawn[lane].0);
-                    let seen = path(wavelengths.as_ref(), &|lane| {
-                        luminance(drawn[lane].0) / drawn[lane].1
-                    });
-                    for (stokes, &(wavelength, density)) in seen.as_ref().iter().zip(drawn) {
-                        let weight = (density * PER_SAMPLE as f32).recip();
-                        colours.add_spectral(*stokes, wavelength, weight);
+                let mut show = |stokes: Vec4, (wavelength, density): (f32, f32)| {
+                    let weight = (density * PER_SAMPLE as f32).recip();
+                    colours.add_spectral(stokes, wavelength, weight);
+                };
+                if grey {
+                    let seen = path(&[drawn[0].0], &|_| 1.0).as_ref()[0];
+                    drawn.into_iter().for_each(|drawn| show(seen, drawn));
+                } else {
+                    for drawn in drawn.chunks(L::LANES) {
+                        let wavelengths = L::lanes(|lane| drawn[lane].0);
+                        let seen = path(wavelengths.as_ref(), &|lane| {
+                            luminance(drawn[lane].0) / drawn[lane].1
+                        });
+                        for (stokes, &drawn) in seen.as_ref().iter().zip(drawn) {
+                            show(*stokes, drawn);
+                        }
                     }
                 }
             }

@@ -83,6 +83,10 @@ impl Matter for Circular {
         }
     }
 
+    fn is_grey(&self, range: [f64; 2]) -> bool {
+        self.transmittance.is_constant_over(range)
+    }
+
     fn effect(&self) -> Effect {
         Effect {
             makes_circular: true,

@@ -165,6 +165,11 @@ impl Coat {
         )
     }
 
+    /// Whether it does the same to light of all wavelengths of a range, nm.
+    pub(super) fn is_grey(&self, range: [f64; 2]) -> bool {
+        self.base.reflectance.is_constant_over(range) && self.reflectance.is_constant_over(range)
+    }
+
     /// What it can do to polarization.
     pub(super) fn effect(&self) -> Effect {
         Effect {
@@ -236,6 +241,10 @@ impl Matter for RoughlyCoated {
 
     fn is_discrete(&self) -> bool {
         false
+    }
+
+    fn is_grey(&self, range: [f64; 2]) -> bool {
+        self.coat.is_grey(range)
     }
 
     fn effect(&self) -> Effect {

@@ -32,6 +32,13 @@ pub struct Metal {
 }
 
 impl Metal {
+    /// Whether it reflects all wavelengths of a range, nm, in the same way.
+    pub(super) fn is_grey(&self, range: [f64; 2]) -> bool {
+        [&self.eta, &self.k, &self.reflectance]
+            .iter()
+            .all(|spectrum| spectrum.is_constant_over(range))
+    }
+
     /// Reads `material` or `eta` and `k`, and `specular_reflectance`.
     pub fn read(object: &Object) -> Result<Self, SceneError> {
         let (eta, k) = match object.optional_string("material")? {
@@ -118,6 +125,10 @@ impl Matter for Conductor {
 
     fn bend(&self, at: &Vertex, _: Part, _: &[f32]) -> Option<Vec3A> {
         (at.o.z > 0.0).then(|| mirror(at.o, Vec3A::Z))
+    }
+
+    fn is_grey(&self, range: [f64; 2]) -> bool {
+        self.metal.is_grey(range)
     }
 
     fn effect(&self) -> Effect {

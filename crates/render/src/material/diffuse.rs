@@ -14,7 +14,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3A;
 
-use super::{Departure, Effect, Matter, Part, Vertex};
+use super::{Departure, Effect, Matter, Part, Traits, Vertex};
 use crate::coherence::Coherence;
 use crate::light::Light;
 use crate::sampler::cosine_hemisphere;
@@ -92,6 +92,17 @@ impl Matter for Diffuse {
 
     fn is_discrete(&self) -> bool {
         false
+    }
+
+    fn traits(&self) -> Traits {
+        Traits {
+            black: self.reflectance == Spectrum::constant(0.0),
+            ..Traits::default()
+        }
+    }
+
+    fn is_grey(&self, range: [f64; 2]) -> bool {
+        self.reflectance.is_constant_over(range)
     }
 
     fn effect(&self) -> Effect {

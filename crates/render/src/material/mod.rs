@@ -129,10 +129,12 @@ pub struct Traits {
     pub disperses: bool,
     /// It chooses between reflection and passage by [`Vertex::sight`].
     pub chooses: bool,
+    /// It swallows all light.
+    pub black: bool,
 }
 
 impl Traits {
-    /// Whatever either does.
+    /// Whatever either does; black if both are.
     pub fn or(self, other: Self) -> Self {
         Self {
             discrete: self.discrete || other.discrete,
@@ -140,6 +142,7 @@ impl Traits {
             coherent: self.coherent || other.coherent,
             disperses: self.disperses || other.disperses,
             chooses: self.chooses || other.chooses,
+            black: self.black && other.black,
         }
     }
 }
@@ -298,6 +301,16 @@ pub trait Matter {
         Traits::default()
     }
 
+    /// Whether it does the same to light of all wavelengths of a range, nm.
+    fn is_grey(&self, _: [f64; 2]) -> bool {
+        false
+    }
+
+    /// Which part of the theorem's sums it leaves out, for `--explain`.
+    fn left_out(&self) -> Option<String> {
+        None
+    }
+
     /// Refuses a rendering from the first to the second wavelength, nm, where the scene has no data for it.
     ///
     /// # Errors
@@ -373,6 +386,14 @@ impl Matter for Material {
             discrete: self.is_discrete(),
             ..ask!(self, m => m.traits())
         }
+    }
+
+    fn is_grey(&self, range: [f64; 2]) -> bool {
+        ask!(self, m => m.is_grey(range))
+    }
+
+    fn left_out(&self) -> Option<String> {
+        ask!(self, m => m.left_out())
     }
 
     fn check_wavelengths(&self, range: [f64; 2]) -> Result<(), SceneError> {

@@ -56,6 +56,10 @@ impl Matter for Null {
         }
     }
 
+    fn is_grey(&self, _: [f64; 2]) -> bool {
+        true
+    }
+
     fn effect(&self) -> Effect {
         Effect::default()
     }

@@ -113,6 +113,10 @@ impl Matter for Plastic {
         matches!(part, Part::Discrete(_)).then(|| mirror(at.o, Vec3A::Z))
     }
 
+    fn is_grey(&self, range: [f64; 2]) -> bool {
+        self.0.is_grey(range)
+    }
+
     fn effect(&self) -> Effect {
         self.0.effect()
     }

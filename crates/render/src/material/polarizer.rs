@@ -102,6 +102,10 @@ impl Matter for Polarizer {
         }
     }
 
+    fn is_grey(&self, range: [f64; 2]) -> bool {
+        self.transmittance.is_constant_over(range)
+    }
+
     fn effect(&self) -> Effect {
         Effect {
             makes_linear: self.polarizing,

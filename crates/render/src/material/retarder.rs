@@ -85,6 +85,10 @@ impl Matter for Retarder {
         }
     }
 
+    fn is_grey(&self, range: [f64; 2]) -> bool {
+        self.delta.is_constant_over(range) && self.transmittance.is_constant_over(range)
+    }
+
     fn effect(&self) -> Effect {
         Effect {
             retards: true,

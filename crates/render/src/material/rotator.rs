@@ -124,6 +124,12 @@ impl Matter for Rotator {
         }
     }
 
+    fn is_grey(&self, range: [f64; 2]) -> bool {
+        self.reference.is_none()
+            && self.angle.is_constant_over(range)
+            && self.transmittance.is_constant_over(range)
+    }
+
     fn effect(&self) -> Effect {
         // linear light stays linear
         Effect::default()

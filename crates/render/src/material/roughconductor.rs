@@ -87,6 +87,10 @@ impl Matter for RoughConductor {
         false
     }
 
+    fn is_grey(&self, range: [f64; 2]) -> bool {
+        self.metal.is_grey(range)
+    }
+
     fn effect(&self) -> Effect {
         Effect {
             makes_linear: true,

@@ -241,6 +241,10 @@ impl Matter for RoughDielectric {
         false
     }
 
+    fn is_grey(&self, range: [f64; 2]) -> bool {
+        self.reflectance.is_constant_over(range) && self.transmittance.is_constant_over(range)
+    }
+
     fn effect(&self) -> Effect {
         // total internal reflection retards
         Effect {

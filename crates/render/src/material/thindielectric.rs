@@ -189,6 +189,10 @@ impl Matter for ThinDielectric {
         }
     }
 
+    fn is_grey(&self, range: [f64; 2]) -> bool {
+        self.reflectance.is_constant_over(range) && self.transmittance.is_constant_over(range)
+    }
+
     fn effect(&self) -> Effect {
         Effect {
             makes_linear: true,

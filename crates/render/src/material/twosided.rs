@@ -98,6 +98,10 @@ impl Matter for TwoSided {
         self.front.is_discrete() && self.back.is_discrete()
     }
 
+    fn is_grey(&self, range: [f64; 2]) -> bool {
+        self.sides().into_iter().all(|side| side.is_grey(range))
+    }
+
     fn effect(&self) -> Effect {
         let [front, back] = self.sides().map(Matter::effect);
         front.and(back)

@@ -226,6 +226,9 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
             let surface = &met.surface;
             let material = &scene.materials[met.owner.material as usize];
             let traits = scene.traits_of(met.owner.material);
+            if traits.black {
+                break;
+            }
 
             // only waves ask how far it is
             let arm = if WAVES {
@@ -302,6 +305,11 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
                 };
                 let reach = scattered.as_ref().unwrap_or(&throughput);
                 self.connect(reach, &place, choice, dimension);
+            }
+
+            // the last ray is for light alone
+            if depth + 1 == options.max_depth && scene.emitters_are_unmet() {
+                break;
             }
 
             // go on toward the light

@@ -52,9 +52,11 @@ pub struct Scene {
     /// First triangle of each mesh.
     first_triangle: Vec<u32>,
     bvh: Bvh,
-    /// Of all matter together, and of each material.
+    /// Of all matter in use together, and of each material.
     traits: Traits,
     material_traits: Vec<Traits>,
+    /// Whether no ray can meet an emitter.
+    unmet: bool,
 }
 
 /// A surface that a ray has met.
@@ -86,14 +88,41 @@ impl Scene {
         self.bvh = Bvh::build(&primitives);
         self.material_traits = self.materials.iter().map(Matter::traits).collect();
         self.traits = self
-            .material_traits
-            .iter()
-            .fold(Traits::default(), |all, &one| all.or(one));
+            .used_materials()
+            .into_iter()
+            .fold(Traits::default(), |all, one| all.or(self.traits_of(one)));
+        self.unmet = !self.emitters.iter().any(Emitter::can_be_met);
+    }
+
+    /// Indices of the materials that shapes are made of, in their order.
+    pub fn used_materials(&self) -> Vec<u32> {
+        let owners = self.shape_owners.iter().chain(&self.mesh_owners);
+        let mut used: Vec<u32> = owners.map(|owner| owner.material).collect();
+        used.sort_unstable();
+        used.dedup();
+        used
+    }
+
+    /// Has paths look for coherence, for flat elements and for emitters where there are none, and go on behind what is
+    /// black: the image stays the same.
+    pub fn follow_everything(&mut self) {
+        for traits in &mut self.material_traits {
+            traits.black = false;
+        }
+        self.traits.coherent = true;
+        self.traits.straight = true;
+        self.unmet = false;
     }
 
     /// What transport has to know of the matter in the scene.
     pub fn traits(&self) -> Traits {
         self.traits
+    }
+
+    /// Whether no ray can meet an emitter: all of them are points or single directions.
+    #[inline]
+    pub fn emitters_are_unmet(&self) -> bool {
+        self.unmet
     }
 
     /// Refuses a rendering from the first to the second wavelength, nm, where the scene's tables end earlier.

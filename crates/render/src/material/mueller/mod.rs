@@ -123,6 +123,10 @@ impl Matter for MuellerElement {
         })
     }
 
+    fn is_grey(&self, _: [f64; 2]) -> bool {
+        self.table.is_grey()
+    }
+
     fn effect(&self) -> Effect {
         self.effect
     }

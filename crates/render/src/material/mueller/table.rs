@@ -152,6 +152,11 @@ impl Table {
         Mueller::from(along(w) * (1.0 - u) + along(w + 1) * u)
     }
 
+    /// Whether the matrices are the same at all wavelengths.
+    pub(super) fn is_grey(&self) -> bool {
+        self.wavelengths.len() == 1
+    }
+
     /// What any of the matrices can do.
     pub(super) fn effect(&self) -> Effect {
         let effects = self.matrices.iter().map(effect_of);

@@ -98,6 +98,12 @@ impl Lobes {
         })
     }
 
+    /// Number of Gaussians in the longest row.
+    pub(super) fn most_terms(&self) -> usize {
+        let lengths = self.rows.iter().map(|row| row.terms.len());
+        lengths.max().unwrap_or(0)
+    }
+
     /// The lobe for one g.
     #[inline]
     pub(super) fn at(&self, g: f32) -> Lobe<'_> {

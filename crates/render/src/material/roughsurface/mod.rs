@@ -380,6 +380,14 @@ impl Matter for RoughSurface {
         }
     }
 
+    fn left_out(&self) -> Option<String> {
+        Some(format!(
+            "all but at most {} Gaussians of its lobe, the rest is below {} of the peak",
+            self.heights.lobes.most_terms(),
+            lobe::TOLERANCE
+        ))
+    }
+
     fn lobe_width(&self, at: &Vertex, wavelengths: &[f32]) -> Option<f32> {
         let widths = wavelengths.iter().flat_map(|wavelength| {
             let lit = Lit::new(&self.heights, *wavelength);

@@ -41,7 +41,7 @@ mod lobes;
 mod side;
 
 use glam::{Mat4, Vec3A, Vec4};
-use mueller16::{Matter as Stationary, Population};
+use mueller16::{ChannelSet, Matter as Stationary, Population};
 use nalgebra::{Matrix2, Matrix4, Vector2};
 use stokes::{Envelope, Mueller, Wavelength};
 
@@ -77,6 +77,8 @@ pub struct Scatterer16 {
     /// Least standard deviation of a lobe, rad/m.
     narrowest: f64,
     effect: Effect,
+    /// The channels that are not zero.
+    channels: ChannelSet,
 }
 
 impl Scatterer16 {
@@ -117,6 +119,7 @@ impl Scatterer16 {
             orders: vec![],
             narrowest: f64::INFINITY,
             effect: Effect::default(),
+            channels: ChannelSet::EMPTY,
         };
         for part in parts {
             matter.add(part);
@@ -159,6 +162,7 @@ impl Scatterer16 {
             side.add(&m, decaying, envelope);
         }
         self.effect = self.effect.and(effect_of(&part.mueller));
+        self.channels = self.channels.union(ChannelSet::of(&part.mueller));
     }
 
     /// The envelopes at a vertex.
@@ -417,6 +421,11 @@ impl Matter for Scatterer16 {
 
     fn effect(&self) -> Effect {
         self.effect
+    }
+
+    fn left_out(&self) -> Option<String> {
+        let zero = 16 - self.channels.len();
+        (zero > 0).then(|| format!("{zero} of the sixteen channels, which are zero"))
     }
 }
 
