@@ -50,8 +50,10 @@ pub struct Job {
 impl Job {
     /// All Stokes components of a scene in its own samples, independent ones, with seed 0 and without coherence.
     pub fn new(built: BuiltScene, mode: SpectralMode) -> Self {
+        let mut scene = built.scene;
+        scene.weigh_lights(mode.range());
         Self {
-            scene: built.scene,
+            scene,
             camera: built.camera,
             film: built.film,
             paths: built.paths,

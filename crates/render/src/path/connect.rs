@@ -48,7 +48,9 @@ impl<L: Light, W: Witness, const WAVES: bool> Walk<'_, L, W, WAVES> {
     ) {
         if WAVES && let Some(lobe) = place.lobe {
             self.connect_lobe(throughput, place, lobe, choice, u);
-        } else if let Some((emitter, chosen)) = self.scene.choose_emitter(choice) {
+        } else if let Some((emitter, chosen)) =
+            self.scene.choose_emitter(place.surface.position, choice)
+        {
             self.connect_point(throughput, place, emitter, chosen, [u[0], u[1]]);
         }
     }
