@@ -1,7 +1,7 @@
 //! Which light source a vertex connects to: drawn by an estimate of the irradiance that each sends there.
 //!
 //! Sources in the scene stand in a tree (`tree.rs`) of boxes with cones of normals (`bundle.rs`), so that one of n takes
-//! about log₂ n steps. Sources outside the scene count by their irradiance, beams by theirs where they pass.
+//! about log₂ n steps; up to eight are compared one by one. Sources outside the scene count by their irradiance, beams by theirs where they pass.
 //!
 //! The estimate does not know what stands in the way, nor the matter at the vertex. One choice in eight is therefore made
 //! blindly: no source is ever rarer than an eighth of an even share, whatever hides the others. With a single source there
@@ -11,6 +11,8 @@
 //! Technometrics 37(2), 1995.
 
 mod bundle;
+#[cfg(test)]
+mod light_tests;
 mod tree;
 
 use glam::Vec3A;

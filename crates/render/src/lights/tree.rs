@@ -1,7 +1,7 @@
 //! A binary tree over light sources, down which one of them is drawn by what each half may send.
 //!
 //! Source: Conty Estevez and Kulla, Importance Sampling of Many Lights with Adaptive Tree Splitting, PACMCGIT 1(2), 2018,
-//! without their splitting.
+//! without their splitting; the last few sources are compared one by one.
 
 use glam::Vec3A;
 
@@ -12,18 +12,34 @@ use crate::geometry::bvh::Bounds;
 #[derive(Clone, Copy, Debug)]
 struct Node {
     seen: Seen,
-    /// The first of its two halves, which lie side by side; of a single source its number.
-    link: u32,
-    single: bool,
+    /// The first of its two halves, which lie side by side; or of its sources.
+    first: u32,
+    /// How many sources it holds; 0: two halves.
+    count: u32,
 }
 
 /// Sources in bundles of bundles; the first node is all of them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tree {
     nodes: Vec<Node>,
-    /// For each source the way down to it: bit k is set where the second half is taken at depth k.
-    trails: Vec<u64>,
+    /// In the order of the nodes that hold them: their numbers, and what is seen of them.
+    numbers: Vec<u32>,
+    sources: Vec<Seen>,
+    /// Where each number is.
+    places: Vec<Place>,
 }
+
+/// The way down to a source.
+#[derive(Clone, Copy, Debug, Default)]
+struct Place {
+    /// Bit k is set where the second half is taken at depth k.
+    trail: u64,
+    /// Index in [`Tree::sources`].
+    index: u32,
+}
+
+/// As many sources are looked at one by one: bundles of few say little of each.
+const FEW: usize = 8;
 
 /// Slabs along each axis, between which a cut may be.
 const SLABS: usize = 12;
@@ -38,8 +54,8 @@ impl Tree {
     /// Over some of `count` sources, each with its number; `unit` is the intensity that counts as 1.
     pub(super) fn new(mut sources: Vec<(u32, Bundle)>, count: usize, unit: f64) -> Self {
         let mut tree = Self {
-            nodes: Vec::with_capacity(2 * sources.len()),
-            trails: vec![0; count],
+            places: vec![Place::default(); count],
+            ..Self::default()
         };
         if let Some(all) = together(&sources) {
             tree.nodes.push(Node::of(&all, unit));
@@ -56,16 +72,21 @@ impl Tree {
         node: usize,
         (trail, depth): (u64, u32),
     ) {
-        if let [(number, _)] = sources {
-            self.nodes[node].link = *number;
-            self.nodes[node].single = true;
-            self.trails[*number as usize] = trail;
+        if sources.len() <= FEW {
+            self.nodes[node].first = self.sources.len() as u32;
+            self.nodes[node].count = sources.len() as u32;
+            for (number, bundle) in sources {
+                let index = self.sources.len() as u32;
+                self.places[*number as usize] = Place { trail, index };
+                self.numbers.push(*number);
+                self.sources.push(Seen::one(bundle, unit));
+            }
             return;
         }
         let middle = cut(sources, depth);
         let (left, right) = sources.split_at_mut(middle);
         let first = self.nodes.len();
-        self.nodes[node].link = first as u32;
+        self.nodes[node].first = first as u32;
         let halves = [&*left, &*right].map(together);
         self.nodes
             .extend(halves.iter().flatten().map(|half| Node::of(half, unit)));
@@ -85,11 +106,30 @@ impl Tree {
             .map_or(0.0, |all| all.seen.irradiance(from))
     }
 
-    /// The chance of the first of two halves.
+    /// The chance of the first of the two halves of a node.
     #[inline]
-    fn share(&self, first: u32, from: Vec3A) -> f32 {
-        let [a, b] = [first, first + 1].map(|n| self.nodes[n as usize].seen.irradiance(from));
+    fn left(&self, node: &Node, from: Vec3A) -> f32 {
+        let first = node.first as usize;
+        let [a, b] = [first, first + 1].map(|n| self.nodes[n].seen.irradiance(from));
         share(a, b)
+    }
+
+    /// The chances of the sources of a node without halves.
+    #[inline]
+    fn shares(&self, node: &Node, from: Vec3A) -> [f32; FEW] {
+        let (first, count) = (node.first as usize, node.count as usize);
+        let mut shares = [0.0; FEW];
+        let mut sum = 0.0;
+        for (share, source) in shares.iter_mut().zip(&self.sources[first..first + count]) {
+            *share = source.irradiance(from);
+            sum += *share;
+        }
+        if sum > 0.0 {
+            shares.map(|share| share / sum)
+        } else {
+            shares[..count].fill((count as f32).recip());
+            shares
+        }
     }
 
     /// Draws a source, and says with which chance. There must be one.
@@ -97,8 +137,8 @@ impl Tree {
     pub(super) fn draw(&self, from: Vec3A, mut u: f32) -> (u32, f32) {
         let mut node = &self.nodes[0];
         let mut chance = 1.0;
-        while !node.single {
-            let left = self.share(node.link, from);
+        while node.count == 0 {
+            let left = self.left(node, from);
             // what is left of `u` is uniform again
             let second = u >= left;
             let (below, part) = if second {
@@ -108,25 +148,35 @@ impl Tree {
             };
             u = ((u - below) / part).min(BELOW_ONE);
             chance *= part;
-            node = &self.nodes[node.link as usize + usize::from(second)];
+            node = &self.nodes[node.first as usize + usize::from(second)];
         }
-        (node.link, chance)
+        let shares = self.shares(node, from);
+        let mut drawn = 0;
+        for (index, &share) in shares.iter().enumerate().filter(|(_, share)| **share > 0.0) {
+            drawn = index;
+            if u < share {
+                break;
+            }
+            u -= share;
+        }
+        let number = self.numbers[node.first as usize + drawn];
+        (number, chance * shares[drawn])
     }
 
     /// The chance with which [`Tree::draw`] draws a source.
     #[inline]
     pub(super) fn chance(&self, source: u32, from: Vec3A) -> f32 {
-        let mut trail = self.trails[source as usize];
+        let Place { mut trail, index } = self.places[source as usize];
         let mut node = &self.nodes[0];
         let mut chance = 1.0;
-        while !node.single {
-            let left = self.share(node.link, from);
+        while node.count == 0 {
+            let left = self.left(node, from);
             let second = trail & 1 == 1;
             trail >>= 1;
             chance *= if second { 1.0 - left } else { left };
-            node = &self.nodes[node.link as usize + usize::from(second)];
+            node = &self.nodes[node.first as usize + usize::from(second)];
         }
-        chance
+        chance * self.shares(node, from)[(index - node.first) as usize]
     }
 }
 
@@ -140,9 +190,9 @@ pub(super) fn share(a: f32, b: f32) -> f32 {
 impl Node {
     fn of(bundle: &Bundle, unit: f64) -> Self {
         Self {
-            seen: Seen::new(bundle, unit),
-            link: 0,
-            single: false,
+            seen: Seen::many(bundle, unit),
+            first: 0,
+            count: 0,
         }
     }
 }

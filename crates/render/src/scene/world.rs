@@ -9,6 +9,8 @@ use crate::geometry::bvh::{Bvh, Primitive, Stack};
 use crate::geometry::flat::Flat;
 use crate::geometry::frame::Frame;
 use crate::geometry::ray::{Hit, Ray, offset_origin};
+#[cfg(test)]
+use crate::lights::Glance;
 use crate::lights::Lights;
 use crate::material::{Material, Matter, Traits};
 use crate::shape::mesh::PlacedMesh;
@@ -57,7 +59,7 @@ pub struct Scene {
     /// Of all matter together, and of each material.
     traits: Traits,
     material_traits: Vec<Traits>,
-    lights: Lights,
+    pub(crate) lights: Lights,
 }
 
 /// A surface that a ray has met.
@@ -196,6 +198,12 @@ impl Scene {
             .map(|e| e.glance(self, range))
             .collect();
         self.lights = Lights::new(&glances);
+    }
+
+    /// Gives all light sources the same chance everywhere.
+    #[cfg(test)]
+    pub(crate) fn weigh_lights_evenly(&mut self) {
+        self.lights = Lights::new(&vec![Glance::Outside(1.0); self.emitters.len()]);
     }
 
     /// Draws a light source for a vertex at `from`, and says with which probability.

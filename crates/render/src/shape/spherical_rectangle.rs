@@ -16,7 +16,7 @@
 //! 32(4), 2013.
 //!
 //! The algebra is in double precision, since thin and far rectangles are differences of corners; arc tangent, sine and
-//! cosine are in single precision and cost 3e-7 of S.
+//! cosine are in single precision and cost 3e-7 of S. Shares of S are covered within 1e-6 + 1e-12/S.
 
 use std::f32::consts::TAU;
 
@@ -142,8 +142,9 @@ mod tests {
         // up to x lies u of the whole solid angle, and along y the sine of elevation is even
         for (x, y, h) in views() {
             let whole = by_arc_tangents(x, y, h);
-            // where the reference keeps four digits
-            if whole < 1e-11 {
+            // where digits are left: f and 1 − c² are differences of numbers near 1 that agree to about S, as are the four
+            // arc tangents
+            if whole < 1e-10 {
                 continue;
             }
             let seen = SphericalRectangle::new(x, y, h).unwrap();
@@ -156,16 +157,19 @@ mod tests {
             ] {
                 let [px, py] = seen.point([u, v]);
                 let share = by_arc_tangents([x[0], px], y, h) / whole;
-                let bound = 1e-6 + 1e-15 / whole;
+                let bound = 1e-6 + 1e-12 / whole;
                 assert!(
                     (share - f64::from(u)).abs() < bound,
                     "{x:?} {y:?} {h} {u}: {share}"
                 );
                 let across = px.hypot(h);
                 let sine = |y: f64| y / across.hypot(y);
-                let share = (sine(py) - sine(y[0])) / (sine(y[1]) - sine(y[0]));
+                let span = sine(y[1]) - sine(y[0]);
+                let share = (sine(py) - sine(y[0])) / span;
+                // here and there the sines lose what they agree in
+                let bound = 1e-6 + 2e-15 / span;
                 assert!(
-                    (share - f64::from(v)).abs() < 1e-6,
+                    (share - f64::from(v)).abs() < bound,
                     "{x:?} {y:?} {h} {v}: {share}"
                 );
             }
