@@ -1,7 +1,7 @@
 //! `rectangle`: the square [−1, 1]² of the local xy plane, normal along local +z, axis U along local +x.
 //!
 //! As a light source it is sampled by solid angle if it is a rectangle in the world too and near: far ones, of which the
-//! density by area hardly varies, and skewed ones are sampled by area.
+//! density by area varies little, those seen almost from their plane, and skewed ones are sampled by area.
 
 use glam::{DMat4, Vec3A};
 
