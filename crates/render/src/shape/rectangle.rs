@@ -233,8 +233,9 @@ mod tests {
                             by_solid_angle += 1;
                             assert_eq!(ratio, 1.0, "{half:?} {scale} {away} {u:?}");
                         } else {
+                            // places round by 3e-7 of the size, and heights are 1e-3 of it
                             assert!(
-                                (ratio - 1.0).abs() < 1e-4,
+                                (ratio - 1.0).abs() < 1e-3,
                                 "{half:?} {scale} {away} {u:?}: {ratio}"
                             );
                         }
