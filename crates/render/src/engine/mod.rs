@@ -51,9 +51,11 @@ pub struct Job {
 impl Job {
     /// All Stokes components of a scene in its own samples, independent ones, with seed 0 and without coherence.
     pub fn new(built: BuiltScene, mode: SpectralMode) -> Self {
+        let mut scene = built.scene;
+        scene.weigh_lights(mode.range());
         Self {
-            plan: Plan::in_full(&built.scene, &mode, true),
-            scene: built.scene,
+            plan: Plan::in_full(&scene, &mode, true),
+            scene,
             camera: built.camera,
             film: built.film,
             paths: built.paths,
