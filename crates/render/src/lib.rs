@@ -15,6 +15,7 @@ pub mod geometry;
 pub mod image;
 pub mod ior;
 pub mod light;
+pub mod lights;
 pub mod maps;
 pub mod material;
 pub mod output;

@@ -90,15 +90,15 @@ pub fn run(args: &Args) -> Outcome {
     let fails = failures(args, &rows, if args.relative { scale } else { 1.0 })?;
     if args.json {
         let report = serde_json::json!({"meta": reference.metadata, "mean_S0": scale, "rows": rows, "failures": fails});
-        println!("{report}");
+        super::say(&format!("{report}\n"));
     } else {
-        print!("{}", table(&reference, &rows, scale));
+        super::say(&table(&reference, &rows, scale));
         for fail in &fails {
-            println!("FAIL {fail}");
+            super::say(&format!("FAIL {fail}\n"));
         }
         let limited = limited(args).iter().any(|(_, limits)| limits.is_some());
-        println!(
-            "{}",
+        super::say(&format!(
+            "{}\n",
             if !fails.is_empty() {
                 "FAILED"
             } else if limited {
@@ -106,7 +106,7 @@ pub fn run(args: &Args) -> Outcome {
             } else {
                 "report only (no thresholds given)"
             }
-        );
+        ));
     }
     Ok(if fails.is_empty() {
         ExitCode::SUCCESS

@@ -43,12 +43,9 @@ pub fn run(args: &Args) -> Outcome {
         coherence: false,
         skip: true,
     };
-    print!(
-        "{}",
-        describe(&built, args.sampler, &Plan::of(&built, &request))
-    );
+    super::say(&describe(&built, args.sampler, &Plan::of(&built, &request)));
     for notice in document.notices() {
-        println!("notice      {notice}");
+        super::say(&format!("notice      {notice}\n"));
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -109,10 +109,11 @@ fn failure(error: ImageError) -> Failure {
 fn tell(args: &Args, report: &impl serde::Serialize, files: &[PathBuf]) -> Result<(), Failure> {
     if args.json {
         let json = serde_json::to_string_pretty(report);
-        println!("{}", json.map_err(|e| Failure::Work(e.to_string()))?);
+        let json = json.map_err(|e| Failure::Work(e.to_string()))?;
+        super::say(&format!("{json}\n"));
     } else {
         for path in files {
-            println!("{}", path.display());
+            super::say(&format!("{}\n", path.display()));
         }
     }
     Ok(())

@@ -1,5 +1,6 @@
 //! The command line: one file a subcommand, each with its `Args` and `run`.
 
+use std::io::Write as _;
 use std::process::ExitCode;
 
 pub mod compare;
@@ -30,6 +31,11 @@ impl Failure {
             Self::Work(_) => ExitCode::from(1),
         }
     }
+}
+
+/// Says something on standard output; who has closed it, as `head` does, does not want to know.
+fn say(text: &str) {
+    let _ = std::io::stdout().write_all(text.as_bytes());
 }
 
 /// What a subcommand returns.

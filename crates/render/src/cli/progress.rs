@@ -22,11 +22,14 @@ pub(super) fn progress_bar(quiet: bool, samples: u64) -> ProgressBar {
 }
 
 /// Brings the bar up to date after a pass.
-pub(super) fn show(bar: &ProgressBar, progress: Progress) {
+pub(super) fn show(bar: &ProgressBar, progress: Progress<'_>) {
+    if bar.is_hidden() {
+        return;
+    }
     let rate = progress.counters.paths as f64 / progress.elapsed.as_secs_f64().max(1e-9) / 1e6;
     bar.set_message(format!(
         "{rate:.2} Mpaths/s  error {:.2} %",
-        100.0 * progress.error
+        100.0 * progress.error()
     ));
     bar.set_position(progress.samples);
 }

@@ -1,6 +1,5 @@
 //! `brewster render`: what the user typed, turned into a job, run and written.
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -421,6 +420,5 @@ fn print_json(rendering: &Rendering, threads: usize, wall: Duration, cpu: Durati
         "rejected": rendering.rejected,
         "interrupted": rendering.interrupted,
     });
-    // whoever has closed the pipe does not want to know
-    let _ = writeln!(std::io::stdout(), "{line}");
+    super::say(&format!("{line}\n"));
 }

@@ -13,6 +13,7 @@
 use glam::Vec3A;
 
 use super::{Connection, Target};
+use crate::lights::{Bundle, Glance};
 use crate::scene::{Body, Object, Scene, SceneError};
 use crate::shape::Surface;
 use crate::spectrum::{Spectrum, SpectrumUse};
@@ -63,5 +64,22 @@ impl Area {
             Body::Shape(index) => scene.shapes[index as usize].pdf(from, at),
             Body::Mesh(index) => scene.meshes[index as usize].pdf(from, at),
         }
+    }
+
+    /// By its mean radiance over some wavelengths.
+    pub(super) fn glance(&self, scene: &Scene, range: [f64; 2]) -> Glance {
+        let radiance = self.radiance.mean(range);
+        Glance::Near(match self.body {
+            Body::Mesh(index) => scene.meshes[index as usize].glance(radiance),
+            Body::Shape(index) => {
+                let shape = &scene.shapes[index as usize];
+                let (bounds, area) = (shape.bounds(), f64::from(shape.area()));
+                match shape.outline() {
+                    Some(outline) => Bundle::facing(outline.normal, bounds, radiance * area),
+                    // a convex body shows a quarter of its surface
+                    None => Bundle::even(bounds, 0.25 * radiance * area),
+                }
+            }
+        })
     }
 }

@@ -14,6 +14,7 @@ use glam::Vec3A;
 
 use super::Connection;
 use crate::geometry::frame::Frame;
+use crate::lights::Glance;
 use crate::sampler::cosine_hemisphere;
 use crate::scene::{Object, SceneError};
 use crate::spectrum::{Spectrum, SpectrumUse};
@@ -50,5 +51,9 @@ impl Constant {
     #[inline]
     pub fn density(&self, frame: &Frame, direction: Vec3A) -> f32 {
         frame.n.dot(direction).max(0.0) * FRAC_1_PI
+    }
+
+    pub(super) fn glance(&self, range: [f64; 2]) -> Glance {
+        Glance::Outside(std::f64::consts::PI * self.radiance.mean(range))
     }
 }

@@ -24,6 +24,7 @@ use super::Connection;
 use super::patch::{Cut, cone_direction};
 use crate::coherence::Coherence;
 use crate::geometry::frame::Frame;
+use crate::lights::Glance;
 use crate::sampler::unit_disk;
 use crate::scene::{Object, SceneError};
 use crate::spectrum::{Spectrum, SpectrumUse};
@@ -103,6 +104,10 @@ impl Directional {
             weight: 1.0,
             coherence: Coherence::PLANE_WAVE,
         })
+    }
+
+    pub(super) fn glance(&self, range: [f64; 2]) -> Glance {
+        Glance::Outside(self.irradiance.mean(range))
     }
 
     /// Whether its light is parallel: it looks like a point.

@@ -41,7 +41,8 @@ use super::patch::Outline;
 use super::polarization::across;
 use super::{Connection, Target};
 use crate::light::{Emission, Light};
-use crate::scene::{Object, SceneError};
+use crate::lights::{Bundle, Glance};
+use crate::scene::{Object, Scene, SceneError};
 use crate::shape::{by_area, solid_angle_density};
 
 /// Half-width of patches, in σ: the Gaussian is taken at their middles, which errs by 1 % where it is most curved and by
@@ -255,6 +256,18 @@ impl Schell {
             return 0.0;
         }
         solid_angle_density(density.recip(), from, position, self.outline.normal)
+    }
+
+    /// By all its power, as if it came by the cosine: its cone has no edge.
+    pub(super) fn glance(&self, scene: &Scene) -> Glance {
+        let [xx, yy, ..] = self.strengths;
+        let power = f64::from(self.sigma).powi(2) * TAU * (xx + yy);
+        let bounds = scene.shapes[self.shape as usize].bounds();
+        Glance::Near(Bundle::facing(
+            self.outline.normal,
+            bounds,
+            power * std::f64::consts::FRAC_1_PI,
+        ))
     }
 
     /// Largest half-width of a patch for a vertex at `from`, radians.

@@ -25,6 +25,7 @@ use glam::{DMat4, DVec3, Vec3A};
 
 use super::{Connection, Target};
 use crate::coherence::Coherence;
+use crate::lights::Glance;
 use crate::scene::{Object, SceneError, within_reach};
 use crate::spectrum::{Spectrum, SpectrumUse};
 
@@ -98,12 +99,32 @@ impl Laser {
         }
     }
 
+    /// Distance of a point from the aperture along the beam, and the irradiance there for a beam of 1 W.
+    #[inline]
+    fn at(&self, point: Vec3A) -> (f32, f32) {
+        let offset = point - self.origin;
+        let distance = offset.dot(self.along);
+        if distance <= 0.0 {
+            return (distance, 0.0);
+        }
+        let across = (offset - self.along * distance).length();
+        (distance, self.profile(across))
+    }
+
+    /// Irradiance across the beam at a point, 1/m²: for a beam of 1 W.
+    #[inline]
+    pub fn irradiance(&self, point: Vec3A) -> f32 {
+        self.at(point).1
+    }
+
+    pub(super) fn glance(&self, range: [f64; 2]) -> Glance {
+        Glance::Beam(self.power.mean(range))
+    }
+
     #[inline]
     pub(super) fn connect(&self, from: Vec3A) -> Option<Connection> {
-        let offset = from - self.origin;
-        let distance = offset.dot(self.along);
-        let weight = self.profile((offset - self.along * distance).length());
-        (distance > 0.0 && weight > 0.0).then(|| Connection {
+        let (distance, weight) = self.at(from);
+        (weight > 0.0).then(|| Connection {
             direction: -self.along,
             target: Some(Target {
                 position: from - self.along * distance,

@@ -16,6 +16,7 @@ use glam::Vec3A;
 use crate::coherence::Coherence;
 use crate::geometry::frame::Frame;
 use crate::light::{Emission, Light};
+use crate::lights::Glance;
 use crate::scene::{Body, Scene};
 use crate::shape::Surface;
 use patch::{Cut, Outline};
@@ -217,6 +218,20 @@ impl Emitter {
             Kind::Schell(_) => "egsm",
             Kind::RayleighSky(_) => "rayleighsky",
             Kind::Laser(_) => "laser",
+        }
+    }
+
+    /// It as a choice between sources sees it, by its mean over wavelengths from the first to the second, nm.
+    pub fn glance(&self, scene: &Scene, range: [f64; 2]) -> Glance {
+        match &self.kind {
+            Kind::Area(e) => e.glance(scene, range),
+            Kind::Constant(e) => e.glance(range),
+            Kind::Point(e) => e.glance(range),
+            Kind::Spot(e) => e.glance(range),
+            Kind::Directional(e) => e.glance(range),
+            Kind::Schell(e) => e.glance(scene),
+            Kind::RayleighSky(e) => e.glance(range),
+            Kind::Laser(e) => e.glance(range),
         }
     }
 

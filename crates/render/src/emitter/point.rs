@@ -14,6 +14,8 @@ use glam::{DVec3, Vec3A};
 
 use super::{Connection, Target};
 use crate::coherence::Coherence;
+use crate::geometry::bvh::Bounds;
+use crate::lights::{Bundle, Glance};
 use crate::scene::{Object, SceneError, within_reach};
 use crate::spectrum::{Spectrum, SpectrumUse};
 
@@ -73,5 +75,10 @@ impl Point {
     #[inline]
     pub(super) fn connect(&self, from: Vec3A) -> Option<Connection> {
         connect_to(self.position, from)
+    }
+
+    pub(super) fn glance(&self, range: [f64; 2]) -> Glance {
+        let bounds = Bounds::of([self.position]);
+        Glance::Near(Bundle::even(bounds, self.intensity.mean(range)))
     }
 }

@@ -35,6 +35,7 @@ use glam::{DVec3, Vec3, Vec3A};
 use super::Connection;
 use crate::geometry::frame::Frame;
 use crate::light::{Emission, Light};
+use crate::lights::Glance;
 use crate::sampler::cosine_hemisphere;
 use crate::scene::{Object, SceneError};
 use crate::spectrum::{Spectrum, SpectrumUse};
@@ -195,6 +196,21 @@ impl RayleighSky {
         sum += f64::from(TAU) * f64::from(self.ground.value(TABLE_AT).max(0.0));
         sums.push(sum);
         self.sums = sums.into_iter().map(|s| (s / sum) as f32).collect();
+    }
+
+    /// By the mean radiance of all directions, at five wavelengths.
+    pub(super) fn glance(&self, [from, to]: [f64; 2]) -> Glance {
+        const STEPS: usize = 5;
+        let radiance = |step: usize| {
+            let nm = (from + (to - from) * (step as f64 + 0.5) / STEPS as f64) as f32;
+            let cells = (0..ROWS).flat_map(|row| (0..COLUMNS).map(move |column| (row, column)));
+            let sky: f32 = cells
+                .map(|(row, column)| self.radiance(self.direction(row, column, [0.5, 0.5]), nm))
+                .sum();
+            0.5 * (sky / (ROWS * COLUMNS) as f32 + self.ground.value(nm))
+        };
+        let mean = (0..STEPS).map(radiance).sum::<f32>() / STEPS as f32;
+        Glance::Outside(std::f64::consts::PI * f64::from(mean))
     }
 
     /// A direction in a cell of the upper hemisphere.

@@ -17,6 +17,8 @@ use glam::{DVec3, Vec3A};
 
 use super::Connection;
 use super::point::connect_to;
+use crate::geometry::bvh::Bounds;
+use crate::lights::{Bundle, Glance};
 use crate::scene::{Object, SceneError, within_reach};
 use crate::spectrum::{Spectrum, SpectrumUse};
 
@@ -90,6 +92,18 @@ impl Spot {
         (falloff > 0.0).then_some(Connection {
             weight: connection.weight * falloff,
             ..connection
+        })
+    }
+
+    pub(super) fn glance(&self, range: [f64; 2]) -> Glance {
+        Glance::Near(Bundle {
+            spread: self.beam,
+            edge: self.cutoff - self.beam,
+            ..Bundle::facing(
+                self.axis,
+                Bounds::of([self.position]),
+                self.intensity.mean(range),
+            )
         })
     }
 }

@@ -51,9 +51,11 @@ pub struct Job {
 impl Job {
     /// All Stokes components of a scene in its own samples, independent ones, with seed 0 and without coherence.
     pub fn new(built: BuiltScene, mode: SpectralMode) -> Self {
+        let mut scene = built.scene;
+        scene.weigh_lights(mode.range());
         Self {
-            plan: Plan::in_full(&built.scene, &mode, true),
-            scene: built.scene,
+            plan: Plan::in_full(&scene, &mode, true),
+            scene,
             camera: built.camera,
             film: built.film,
             paths: built.paths,
@@ -78,17 +80,23 @@ pub struct Limits {
 
 /// State of the work after a pass.
 #[derive(Clone, Copy, Debug)]
-pub struct Progress {
+pub struct Progress<'a> {
+    rendering: &'a Rendering,
     /// Samples a pixel so far.
     pub samples: u64,
     /// Samples a pixel that were asked for.
     pub of: u64,
-    /// Error so far, as [`Rendering::error`].
-    pub error: f64,
     /// What tracing has cost.
     pub counters: Counters,
     /// Wall time since the start.
     pub elapsed: Duration,
+}
+
+impl Progress<'_> {
+    /// Error so far, as [`Rendering::error`]: a sum over the film, for those who ask.
+    pub fn error(&self) -> f64 {
+        self.rendering.error()
+    }
 }
 
 /// A finished (or stopped) rendering.
@@ -210,7 +218,7 @@ pub fn render(
     job: &Job,
     limits: Limits,
     stop: &AtomicBool,
-    mut report: impl FnMut(Progress),
+    mut report: impl FnMut(Progress<'_>),
 ) -> Rendering {
     let filter = FilterSampler::new(job.film.filter);
     let colours = job.mode.colours();
@@ -250,11 +258,10 @@ pub fn render(
         }
         let taken = range.end - range.start;
         rendering.count.samples = range.end;
-        let error = rendering.error();
         report(Progress {
+            rendering: &rendering,
             samples: rendering.count.samples,
             of: job.samples,
-            error,
             counters: rendering.counters,
             elapsed: start.elapsed(),
         });
@@ -265,7 +272,7 @@ pub fn render(
         if limits.time.is_some_and(|limit| start.elapsed() >= limit)
             || limits
                 .error
-                .is_some_and(|limit| rendering.count.blocks() > 1 && error <= limit)
+                .is_some_and(|limit| rendering.count.blocks() > 1 && rendering.error() <= limit)
         {
             break;
         }

@@ -107,7 +107,6 @@ impl<'a, L: Light> Worker<'a, L> {
         let film_x = self.filter.position(column, u, film.crop_offset[0], end[0]);
         let film_y = self.filter.position(row, v, film.crop_offset[1], end[1]);
         let start = job.camera.start(film_x, film_y);
-        let [u, _] = stream.pair(2);
         let mut ear = job.coherence.map(|separation| Ear {
             job,
             view: job.camera.view(column, row),
@@ -141,6 +140,8 @@ impl<'a, L: Light> Worker<'a, L> {
         };
         // where it does not depend on the wavelength
         let grey = job.plan.wavelengths == Wavelengths::One;
+        // where within its bands a sample looks
+        let place = || stream.pair(2)[0];
         match &job.mode {
             SpectralMode::Single(wavelength) => {
                 colours.add(0, path(&[*wavelength as f32], &|_| 1.0).as_ref()[0]);
@@ -152,7 +153,7 @@ impl<'a, L: Light> Worker<'a, L> {
                 }
             }
             SpectralMode::Bands { from, to, count } => {
-                let width = (to - from) / *count as f64;
+                let (u, width) = (place(), (to - from) / *count as f64);
                 // the same place within every band; the last path may have lanes left over
                 for first in (0..*count).step_by(L::LANES) {
                     let wavelengths = L::lanes(|lane| {
@@ -168,6 +169,7 @@ impl<'a, L: Light> Worker<'a, L> {
                 }
             }
             SpectralMode::Rgb => {
+                let u = place();
                 let drawn: [(f32, f32); PER_SAMPLE] = std::array::from_fn(|k| {
                     sample_wavelength((u + k as f32 / PER_SAMPLE as f32).fract())
                 });

@@ -121,7 +121,8 @@ impl Coat {
         }
     }
 
-    /// Probability of drawing the surface rather than the base, at most 0.9 and at least 0.1: the wavelengths may differ.
+    /// Probability of drawing the surface rather than the base, by their albedos, at most 0.9 and at least 0.3: the
+    /// wavelengths may differ, connections find most of the base's light, and all polarization comes from the surface.
     #[inline]
     pub(super) fn surface_probability(&self, o: Vec3A, wavelengths: &[f32]) -> f32 {
         let r = match &self.passages {
@@ -134,7 +135,7 @@ impl Coat {
         if share.is_nan() {
             0.5
         } else {
-            share.clamp(0.1, 0.9)
+            share.clamp(0.3, 0.9)
         }
     }
 

@@ -172,15 +172,15 @@ impl Matter for Dielectric {
         }
     }
 
-    fn is_grey(&self, range: [f64; 2]) -> bool {
-        self.reflectance.is_constant_over(range) && self.transmittance.is_constant_over(range)
-    }
-
     fn traits(&self) -> Traits {
         Traits {
             chooses: true,
             ..Traits::default()
         }
+    }
+
+    fn is_grey(&self, range: [f64; 2]) -> bool {
+        self.reflectance.is_constant_over(range) && self.transmittance.is_constant_over(range)
     }
 
     fn effect(&self) -> Effect {

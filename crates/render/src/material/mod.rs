@@ -127,10 +127,10 @@ pub struct Traits {
     pub coherent: bool,
     /// Its directions depend on the wavelength: paths carry one wavelength each.
     pub disperses: bool,
-    /// It swallows all light.
-    pub black: bool,
     /// It chooses between reflection and passage by [`Vertex::sight`].
     pub chooses: bool,
+    /// It swallows all light.
+    pub black: bool,
 }
 
 impl Traits {
@@ -141,8 +141,8 @@ impl Traits {
             straight: self.straight || other.straight,
             coherent: self.coherent || other.coherent,
             disperses: self.disperses || other.disperses,
-            black: self.black && other.black,
             chooses: self.chooses || other.chooses,
+            black: self.black && other.black,
         }
     }
 }

@@ -50,7 +50,9 @@ impl<L: Light, W: Witness, const WAVES: bool> Walk<'_, L, W, WAVES> {
             let [u, v] = self.stream.pair(dimension + POINT);
             let [_, which] = self.stream.pair(dimension + ROULETTE);
             self.connect_lobe(throughput, place, lobe, choice, [u, v, which]);
-        } else if let Some((emitter, chosen)) = self.scene.choose_emitter(choice) {
+        } else if let Some((emitter, chosen)) =
+            self.scene.choose_emitter(place.surface.position, choice)
+        {
             let u = self.stream.pair(dimension + POINT);
             self.connect_point(throughput, place, emitter, chosen, u);
         }

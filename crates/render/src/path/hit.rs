@@ -46,7 +46,7 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
                 .density_of_hit(emitter, from.position, &e.surface),
             None => self
                 .scene
-                .density_of_miss(&from.lit_frame, self.way.direction),
+                .density_of_miss(from.position, &from.lit_frame, self.way.direction),
         };
         power_heuristic(from.density, other)
     }
@@ -88,7 +88,8 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
             let patch = cut.patch(cut.find(position, self.way.direction));
             let toward = from.vertex.frame.to_local(patch.direction);
             let own = self.respond_behind(from, toward, &patch.coherence()).1;
-            let other = lobe::patch_density(scene, &cut, &patch);
+            let chance = scene.chance_of_emitter(emitter, from.vertex.position);
+            let other = lobe::patch_density(chance, &cut, &patch);
             (power_heuristic(own, other), position, drawn)
         } else if !self.way.straight
             && let Some(e) = encounter

@@ -48,10 +48,10 @@ pub(super) fn largest_patch(options: &PathOptions, lobe: f32) -> f32 {
     (options.patch * lobe).min(WIDEST_PATCH)
 }
 
-/// Density per steradian of connections to a patch of a cut of which one is drawn, with the choice of the emitter.
+/// Density per steradian of connections to a patch of a cut of which one is drawn, of an emitter of a given chance.
 #[inline]
-pub(super) fn patch_density(scene: &Scene, cut: &Cut<'_>, patch: &Patch) -> f32 {
-    scene.chance_of_emitter() / (patch.solid_angle * cut.len() as f32)
+pub(super) fn patch_density(chance: f32, cut: &Cut<'_>, patch: &Patch) -> f32 {
+    chance / (patch.solid_angle * cut.len() as f32)
 }
 
 /// Where a shadow ray goes.
@@ -131,7 +131,7 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
     ) {
         let scene = self.scene;
         let largest = largest_patch(self.options, lobe);
-        let Some((chosen, chance)) = scene.choose_emitter(choice) else {
+        let Some((chosen, chance)) = scene.choose_emitter(place.surface.position, choice) else {
             return;
         };
         let cut = chosen.cut(scene, place.surface.position, largest);
@@ -157,7 +157,7 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
             _ if summed => {}
             None => self.connect_point(throughput, place, chosen, chance, at),
             Some(cut) => {
-                if let Some((arrival, index)) = self.one_patch(place, chosen, &cut, sum.u)
+                if let Some((arrival, index)) = self.one_patch(place, (chosen, chance), &cut, sum.u)
                     && let Some((direction, target)) = cut.point(index, at)
                 {
                     self.add(throughput, place, &arrival, direction, target.as_ref());
@@ -200,7 +200,7 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
     fn one_patch(
         &self,
         place: &Place<'_>,
-        emitter: &Emitter,
+        (emitter, chance): (&Emitter, f32),
         cut: &Cut<'_>,
         u: f32,
     ) -> Option<(Arrival<L>, u32)> {
@@ -208,7 +208,7 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
         let index = ((u * count as f32) as u32).min(count - 1);
         let patch = cut.patch(index);
         let toward = (patch.direction, patch.centre);
-        let density = patch_density(self.scene, cut, &patch);
+        let density = patch_density(chance, cut, &patch);
         let (mut arrival, own) =
             self.arrival(place, emitter, toward, patch.coherence(), density.recip())?;
         if emitter.can_be_met() {

@@ -3,11 +3,15 @@
 use glam::Vec3A;
 
 use super::error::SceneError;
+use crate::colour::{FIRST_NM, LAST_NM};
 use crate::emitter::{Emitter, Target};
 use crate::geometry::bvh::{Bvh, Primitive, Stack};
 use crate::geometry::flat::Flat;
 use crate::geometry::frame::Frame;
 use crate::geometry::ray::{Hit, Ray, offset_origin};
+#[cfg(test)]
+use crate::lights::Glance;
+use crate::lights::Lights;
 use crate::material::{Material, Matter, Traits};
 use crate::shape::mesh::PlacedMesh;
 use crate::shape::{Shape, Surface};
@@ -57,6 +61,7 @@ pub struct Scene {
     material_traits: Vec<Traits>,
     /// Whether no ray can meet an emitter.
     unmet: bool,
+    pub(crate) lights: Lights,
 }
 
 /// A surface that a ray has met.
@@ -69,7 +74,8 @@ pub struct Encounter {
 }
 
 impl Scene {
-    /// Builds the search tree over all shapes and meshes, and notes what the matter needs.
+    /// Builds the search tree over all shapes and meshes, notes what the matter needs, and weighs the light sources by
+    /// their visible light.
     pub fn index(&mut self) {
         let mut primitives = Vec::new();
         self.mesh_of.clear();
@@ -92,6 +98,7 @@ impl Scene {
             .into_iter()
             .fold(Traits::default(), |all, one| all.or(self.traits_of(one)));
         self.unmet = !self.emitters.iter().any(Emitter::can_be_met);
+        self.weigh_lights([FIRST_NM, LAST_NM]);
     }
 
     /// Indices of the materials that shapes are made of, in their order.
@@ -223,34 +230,48 @@ impl Scene {
         self.trace::<true>(ray, stack).is_none()
     }
 
-    /// Draws a light source, and says with which probability.
-    #[inline]
-    pub fn choose_emitter(&self, choice: f32) -> Option<(&Emitter, f32)> {
-        let count = self.emitters.len();
-        let emitter = self
+    /// Weighs the light sources against each other by their light from the first to the second wavelength, nm.
+    pub fn weigh_lights(&mut self, range: [f64; 2]) {
+        let glances: Vec<_> = self
             .emitters
-            .get(((choice * count as f32) as usize).min(count.checked_sub(1)?))?;
-        Some((emitter, self.chance_of_emitter()))
+            .iter()
+            .map(|e| e.glance(self, range))
+            .collect();
+        self.lights = Lights::new(&glances);
     }
 
-    /// The probability of each light source in [`Scene::choose_emitter`].
+    /// Gives all light sources the same chance everywhere.
+    #[cfg(test)]
+    pub(crate) fn weigh_lights_evenly(&mut self) {
+        self.lights = Lights::new(&vec![Glance::Outside(1.0); self.emitters.len()]);
+    }
+
+    /// Draws a light source for a vertex at `from`, and says with which probability.
     #[inline]
-    pub fn chance_of_emitter(&self) -> f32 {
-        (self.emitters.len() as f32).recip()
+    pub fn choose_emitter(&self, from: Vec3A, choice: f32) -> Option<(&Emitter, f32)> {
+        let (number, chance) = self.lights.choose(&self.emitters, from, choice)?;
+        Some((self.emitters.get(number as usize)?, chance))
+    }
+
+    /// The probability of a light source in [`Scene::choose_emitter`].
+    #[inline]
+    pub fn chance_of_emitter(&self, emitter: u32, from: Vec3A) -> f32 {
+        self.lights.chance(&self.emitters, emitter, from)
     }
 
     /// Density of connections to the point that a ray from `from` has hit.
     #[inline]
     pub fn density_of_hit(&self, emitter: u32, from: Vec3A, at: &Surface) -> f32 {
-        self.emitters[emitter as usize].density_of_hit(self, from, at) * self.chance_of_emitter()
+        self.emitters[emitter as usize].density_of_hit(self, from, at)
+            * self.chance_of_emitter(emitter, from)
     }
 
-    /// Density of connections for a direction in which a ray has left the scene.
+    /// Density of connections for a direction in which a ray from `from` has left the scene.
     #[inline]
-    pub fn density_of_miss(&self, frame: &Frame, direction: Vec3A) -> f32 {
+    pub fn density_of_miss(&self, from: Vec3A, frame: &Frame, direction: Vec3A) -> f32 {
         self.environment.map_or(0.0, |e| {
             let density = self.emitters[e as usize].density_of_miss(frame, direction);
-            density * self.chance_of_emitter()
+            density * self.chance_of_emitter(e, from)
         })
     }
 }

@@ -1,10 +1,12 @@
 //! Triangle meshes in world space: all meshes of a scene in one list of triangles.
 
-use glam::{DMat3, DMat4, Vec3A};
+use glam::{DMat3, DMat4, DVec3, Vec3A};
 
 use super::{AreaSample, Surface, by_area, solid_angle_density};
+use crate::geometry::bvh::Bounds;
 use crate::geometry::frame::Frame;
 use crate::geometry::ray::gamma;
+use crate::lights::Bundle;
 use crate::scene::mesh::{Mesh, vertex_normals};
 
 /// A mesh placed in the world.
@@ -101,6 +103,34 @@ impl PlacedMesh {
     /// Area of the whole, m²; 0 unless it emits.
     pub fn area(&self) -> f64 {
         self.cumulative_area.last().copied().unwrap_or(0.0)
+    }
+
+    /// It as a light source of a given radiance, seen from afar.
+    pub fn glance(&self, radiance: f64) -> Bundle {
+        let triangles = || (0..self.len()).map(|triangle| self.corners(triangle));
+        let bounds = Bounds::of(triangles().flatten());
+        let vectors = || {
+            triangles().map(|corners| {
+                let [a, b, c] = corners.map(Vec3A::as_dvec3);
+                (b - a).cross(c - a) * (0.5 * f64::from(self.side))
+            })
+        };
+        let sum: DVec3 = vectors().sum();
+        // from far along its mean normal a flat mesh shows all of its area, a closed one from everywhere a quarter
+        let shown = sum.length().max(0.25 * self.area());
+        let spread = sum.try_normalize().map_or(std::f64::consts::PI, |axis| {
+            vectors().fold(0.0, |spread: f64, vector| {
+                spread.max(axis.cross(vector).length().atan2(axis.dot(vector)))
+            })
+        });
+        Bundle {
+            spread: spread as f32,
+            ..Bundle::facing(
+                sum.normalize_or(DVec3::Z).as_vec3a(),
+                bounds,
+                radiance * shown,
+            )
+        }
     }
 
     /// The corners of a triangle.

@@ -6,6 +6,7 @@ pub mod disk;
 pub mod mesh;
 pub mod rectangle;
 pub mod sphere;
+mod spherical_rectangle;
 
 use glam::{DMat4, DVec3, Vec3A};
 
@@ -67,6 +68,17 @@ impl Shape {
         }
     }
 
+    /// Its area, m².
+    pub fn area(&self) -> f32 {
+        match self {
+            Self::Rectangle(s) => s.area(),
+            Self::Sphere(s) => s.area(),
+            Self::Disk(s) => s.area(),
+            Self::Cylinder(s) => s.area(),
+            Self::Cube(s) => s.area(),
+        }
+    }
+
     /// What the search tree knows of it: the whole of a rectangle, the box of any other shape.
     pub fn primitive(&self) -> Primitive {
         match self {
@@ -123,7 +135,7 @@ impl Shape {
     #[inline]
     pub fn sample(&self, reference: Vec3A, u: [f32; 2]) -> Option<AreaSample> {
         match self {
-            Self::Rectangle(s) => by_area(s.sample(u), s.area(), reference),
+            Self::Rectangle(s) => s.sample(reference, u),
             Self::Sphere(s) => s.sample(reference, u),
             Self::Disk(s) => by_area(s.sample(u), s.area(), reference),
             Self::Cylinder(s) => by_area(s.sample(u), s.area(), reference),
@@ -136,7 +148,7 @@ impl Shape {
     pub fn pdf(&self, reference: Vec3A, at: &Surface) -> f32 {
         match self {
             Self::Sphere(s) => s.pdf(reference, at),
-            Self::Rectangle(s) => solid_angle_density(s.area(), reference, at.position, at.normal),
+            Self::Rectangle(s) => s.pdf(reference, at),
             Self::Disk(s) => solid_angle_density(s.area(), reference, at.position, at.normal),
             Self::Cylinder(s) => solid_angle_density(s.area(), reference, at.position, at.normal),
             Self::Cube(s) => solid_angle_density(s.area(), reference, at.position, at.normal),

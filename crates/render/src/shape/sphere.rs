@@ -88,7 +88,7 @@ impl Sphere {
         }
     }
 
-    fn area(&self) -> f32 {
+    pub(super) fn area(&self) -> f32 {
         4.0 * PI * self.radius * self.radius
     }
 
