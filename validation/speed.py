@@ -6,17 +6,18 @@ left out on both sides.  Each figure is the best of --repetitions.  Mitsuba's fi
 turns.  Ratios above 1 mean that Brewster is faster; `cost` is polarized over unpolarized time.
 
 With --against another build of Brewster the two take turns instead: CPU time of this build over
-that of the other, the median over the turns and the ratio of the best.
+that of the other, for the same samples and, times the ratio of the variances, for the same error
+of S0 and of S1 to S3 together; medians over the turns.
 """
 
 import json
-import statistics
 import sys
 import tempfile
 from pathlib import Path
 
 import mitsuba_peer
-from common import SCENES, arguments, render, skip
+import numpy as np
+from common import SCENES, Array, arguments, read, render, skip
 
 PEER_FIGURES = Path(__file__).parent / "mitsuba_speed.json"
 VARIANT = "llvm_ad_mono_polarized"
@@ -40,18 +41,28 @@ def mitsuba(python: str, scene: Path) -> float:
     return told["paths"] / min(told["cpu_s"]) / 1e6
 
 
+def measured(scene: Path, spp: int, seed: int, program: str | None = None) -> Array:
+    """Return CPU seconds of sampling, and those times the variance of S0 and of S1 to S3."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "image.exr"
+        options = ["--size", SIZE, "--spp", str(spp), "--seed", str(seed)]
+        told = render(scene, out, *options, program=program)
+        variance = read(out).variance.mean((0, 1, 3))
+    return told["sampling_cpu_s"] * np.array([1.0, variance[0], variance[1:].sum()])
+
+
 def against(other: str, names: list[str], spp: int, repetitions: int) -> None:
     """Print the CPU time of this build over that of another, scene by scene."""
-    print("| scene | time over the other's, median of turns | of the best |")
-    print("|---" * 3 + "|")
+    print("| scene | same samples | same error of S0 | of S1 to S3 |")
+    print("|---" * 4 + "|")
     for name in names:
         scene = SCENES / name / "scene.xml"
-        turns = [
-            (brewster(scene, spp, program=other), brewster(scene, spp)) for _ in range(repetitions)
-        ]
-        median = statistics.median(theirs / ours for theirs, ours in turns)
-        best = max(theirs for theirs, _ in turns) / max(ours for _, ours in turns)
-        print(f"| {name} | {median:.3f} | {best:.3f} |", flush=True)
+        turns = []
+        for seed in range(1, repetitions + 1):
+            theirs, ours = measured(scene, spp, seed, other), measured(scene, spp, seed)
+            turns.append(np.where(theirs > 0, ours / np.where(theirs > 0, theirs, 1), np.nan))
+        cells = " | ".join("–" if np.isnan(x) else f"{x:.2f}" for x in np.median(turns, axis=0))
+        print(f"| {name} | {cells} |", flush=True)
 
 
 def main() -> int:
