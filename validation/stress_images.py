@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import stress_scenes
-from common import Image, Report, arguments, read, render
+from common import INDEPENDENT, Image, Report, arguments, read, render
 from stress_cases import CASES, Judge, chosen
 
 HEAD = """# Stability of images
@@ -52,7 +52,8 @@ def main() -> int:
             scene.write_text(text)
             if mesh is not None:
                 (Path(folder) / "mesh.obj").write_text(mesh)
-            told = render(scene, out, "--spp", str(stress_scenes.SAMPLES), *options)
+            spp = str(stress_scenes.SAMPLES)
+            told = render(scene, out, "--spp", spp, *INDEPENDENT, *options)
             image = read(out)
         rejected += told["rejected"]
         broken += int((~np.isfinite(image.mean)).sum() + (~np.isfinite(image.variance)).sum())
