@@ -162,7 +162,7 @@ fn three_colours_agree_with_numpy() {
 
 #[test]
 fn few_blocks_of_samples_lean_on_the_neighbourhood() {
-    use crate::image::{Colour, SAMPLES, SAMPLES_PER_BLOCK};
+    use crate::image::{BLOCKS, Colour};
     let colour = Colour::Mono {
         wavelength_nm: None,
     };
@@ -173,11 +173,8 @@ fn few_blocks_of_samples_lean_on_the_neighbourhood() {
     image.variance = Some(variance);
     let errors = |image: &StokesImage| Field::standard_errors(image).unwrap().values;
     assert_eq!(errors(&image)[0], 1.0);
-    for (block, blocks, corner) in [("4", 16, 1.0), ("8", 8, 1.36f64.sqrt())] {
-        image.metadata.insert(SAMPLES.to_owned(), "64".to_owned());
-        image
-            .metadata
-            .insert(SAMPLES_PER_BLOCK.to_owned(), block.to_owned());
+    for (blocks, corner) in [(16u64, 1.0), (8, 1.36f64.sqrt())] {
+        image.metadata.insert(BLOCKS.to_owned(), blocks.to_string());
         assert_eq!(image.blocks(), Some(blocks));
         // around a corner of 3 × 3 the rim counts again: the middle once among 25
         let found = errors(&image);

@@ -75,15 +75,17 @@ pub struct StokesImage {
     /// ellipse of separations over which it is coherent, the larger first, m; angle of the larger from image right
     /// counter-clockwise, radians in `[0, π)`; degree of coherence at one separation. NaN without light.
     pub coherence: Option<Vec<[f32; 4]>>,
+    /// Samples of each pixel, `[row][column]`, where they differ.
+    pub samples: Option<Vec<u64>>,
     /// Free text that travels with the image in its file: scene, seed, samples, …
     pub metadata: BTreeMap<String, String>,
 }
 
-/// Metadata key of the samples a pixel.
+/// Metadata key of the samples a pixel, on the mean where they differ.
 pub const SAMPLES: &str = "samples";
 
-/// Metadata key of how many of them are stratified together: blocks of them are independent.
-pub const SAMPLES_PER_BLOCK: &str = "samplesPerBlock";
+/// Metadata key of the independent blocks of samples that the variance comes from, of the pixel that has fewest.
+pub const BLOCKS: &str = "blocks";
 
 impl StokesImage {
     /// A black image without variances and metadata.
@@ -97,14 +99,14 @@ impl StokesImage {
             stokes: vec![0.0; count],
             variance: None,
             coherence: None,
+            samples: None,
             metadata: BTreeMap::new(),
         }
     }
 
-    /// Independent blocks of samples that its variance comes from, where the metadata tell.
+    /// Independent blocks of samples that its variance comes from, where the metadata tell; of the pixel that has fewest.
     pub fn blocks(&self) -> Option<u64> {
-        let number = |key: &str| self.metadata.get(key)?.parse::<u64>().ok();
-        number(SAMPLES)?.checked_div(number(SAMPLES_PER_BLOCK)?)
+        self.metadata.get(BLOCKS)?.parse().ok()
     }
 
     /// Where the number of a component and a colour of pixel (x, y) lies in `stokes`.
@@ -172,9 +174,12 @@ impl StokesImage {
             self.coherence.as_ref().map(Vec::len),
             self.width * self.height,
         );
-        coherences
-            .filter(|&n| n != pixels)
-            .map(|n| format!("coherence of {n} pixels, expected {pixels}"))
+        let samples = self.samples.as_ref().map(Vec::len);
+        let wrong = |of: &str, n: Option<usize>| {
+            n.filter(|&n| n != pixels)
+                .map(|n| format!("{of} of {n} pixels, expected {pixels}"))
+        };
+        wrong("coherence", coherences).or_else(|| wrong("samples", samples))
     }
 
     fn gather(&self, data: &[f32], x: usize, y: usize, colour: usize) -> [f64; 4] {

@@ -29,16 +29,28 @@ const FEWEST_BLOCKS: u64 = 8;
 const OPEN_ENDED: u64 = 16;
 
 impl Generator {
-    /// Samples that are stratified together, of so many a pixel: a power of two that divides their number.
+    /// Most samples that are stratified together.
+    pub fn largest_block(self) -> u64 {
+        match self {
+            Self::Independent => 1,
+            Self::Sobol => LARGEST_BLOCK,
+        }
+    }
+
+    /// Samples that are stratified together, of so many in every pixel: a power of two that divides their number.
     ///
     /// `open_ended`: the rendering may stop before all are taken.
     pub fn block(self, samples: u64, open_ended: bool) -> u64 {
-        let most = match self {
-            Self::Independent => 1,
-            Self::Sobol if open_ended => OPEN_ENDED,
-            Self::Sobol => LARGEST_BLOCK,
+        let open = if open_ended {
+            OPEN_ENDED
+        } else {
+            LARGEST_BLOCK
         };
-        let most = most.min(samples / FEWEST_BLOCKS).max(1);
+        let most = self
+            .largest_block()
+            .min(open)
+            .min(samples / FEWEST_BLOCKS)
+            .max(1);
         // the largest power of two in either
         let whole = 1 << samples.trailing_zeros().min(63);
         whole.min(1 << most.ilog2())
@@ -74,22 +86,42 @@ fn unit(bits: u32) -> f32 {
     (bits >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
-impl SampleStream {
-    /// The stream of sample `sample` of the pixel with running number `pixel`.
+/// The random numbers of one pixel.
+#[derive(Clone, Copy, Debug)]
+pub struct PixelStream(u64);
+
+impl PixelStream {
+    /// Of the pixel with running number `pixel`.
     #[inline]
-    pub fn new(seed: u64, pixel: u64, sample: u64) -> Self {
-        Self::in_block(seed, pixel, sample, 1)
+    pub fn new(seed: u64, pixel: u64) -> Self {
+        Self(mix(mix(seed.wrapping_add(GOLDEN)) ^ pixel).wrapping_add(GOLDEN))
     }
 
-    /// The same in a block of at most [`LARGEST_BLOCK`] samples, a power of two.
+    /// Of its sample number `sample`, alone.
     #[inline]
-    pub fn in_block(seed: u64, pixel: u64, sample: u64, block: u64) -> Self {
-        let pixel = mix(mix(seed.wrapping_add(GOLDEN)) ^ pixel).wrapping_add(GOLDEN);
-        Self {
-            key: mix(pixel ^ sample),
-            // the bits of a sample's number and of a block's never agree
-            block: (block > 1).then(|| (mix(pixel ^ !(sample / block)), (sample % block) as u8)),
+    pub fn alone(self, sample: u64) -> SampleStream {
+        SampleStream {
+            key: mix(self.0 ^ sample),
+            block: None,
         }
+    }
+
+    /// Of its sample number `sample`, which is number `place` of its block: the samples of one are stratified together.
+    #[inline]
+    pub fn in_block(self, sample: u64, place: u8) -> SampleStream {
+        SampleStream {
+            key: mix(self.0 ^ sample),
+            // named by its first sample: the bits of a sample's number and of a block's never agree
+            block: Some((mix(self.0 ^ !(sample - u64::from(place))), place)),
+        }
+    }
+}
+
+impl SampleStream {
+    /// The stream of sample `sample` of the pixel with running number `pixel`, alone.
+    #[inline]
+    pub fn new(seed: u64, pixel: u64, sample: u64) -> Self {
+        PixelStream::new(seed, pixel).alone(sample)
     }
 
     /// Two uniform numbers in [0, 1) at an even dimension and the next.
@@ -204,7 +236,11 @@ mod tests {
     #[test]
     fn numbers_of_a_block_are_uniform_and_its_dimensions_uncorrelated() {
         let n = 160_000u64;
-        let at = |i: u64, d: u32| SampleStream::in_block(4, i / 64, i % 64, 64).pair(d);
+        let at = |i: u64, d: u32| {
+            PixelStream::new(4, i / 64)
+                .in_block(i % 64, (i % 64) as u8)
+                .pair(d)
+        };
         for d in [0, 2, 4] {
             for axis in 0..2 {
                 // stratified within a block: χ² cannot be larger than of independent numbers
@@ -239,7 +275,13 @@ mod tests {
             let means: Vec<f64> = (0..blocks)
                 .map(|pixel| {
                     let value = |i| {
-                        let [x, y] = SampleStream::in_block(5, pixel, i, size).pair(8);
+                        let stream = PixelStream::new(5, pixel);
+                        let stream = if size == 1 {
+                            stream.alone(i)
+                        } else {
+                            stream.in_block(i, (i % size) as u8)
+                        };
+                        let [x, y] = stream.pair(8);
                         f64::from(x) * f64::from(y)
                     };
                     (0..64).map(value).sum::<f64>() / 64.0

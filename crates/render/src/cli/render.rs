@@ -7,13 +7,13 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use cpu_time::ProcessTime;
 
 use super::progress::{progress_bar, show, stop_on_interrupt};
-use super::values::{Crop, Define, Separation, Size, parse_duration, parse_error, parse_patch};
+use super::values::{Crop, Define, ErrorTargets, Separation, Size, parse_duration, parse_patch};
 use super::wavelengths::Wavelengths;
 use super::{Failure, Outcome};
 use crate::analyzer::{self, Destination, Incident};
-use crate::engine::{self, Job, Limits, Rendering};
+use crate::engine::{self, Job, Limits, Rendering, Targets};
 use crate::film::SpectralMode;
-use crate::image::{Colour, SAMPLES, SAMPLES_PER_BLOCK, StokesImage};
+use crate::image::{BLOCKS, Colour, SAMPLES, StokesImage};
 use crate::maps::{self, MapOptions};
 use crate::output::{self, ImageError, WriteOptions};
 use crate::plan::{Plan, Request};
@@ -21,6 +21,8 @@ use crate::sampler::Generator;
 use crate::scene::{self, Overrides};
 
 const GIB: u64 = 1 << 30;
+/// Samples a pixel where nobody limits them.
+const MOST_SAMPLES: u64 = 1 << 40;
 /// Most memory that the film may take.
 const MOST_MEMORY: u64 = 16 * GIB;
 
@@ -32,8 +34,8 @@ pub struct Args {
     /// Image to write: .exr or .npy [default: the scene's name with .exr, in the current folder]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Samples a pixel [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1 << 40))]
+    /// Samples a pixel [default: the scene's; with --target-error as many as it takes]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_SAMPLES))]
     spp: Option<u64>,
     /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -67,9 +69,12 @@ pub struct Args {
     /// Stop after this time with the samples taken so far
     #[arg(long, value_name = "60s", value_parser = parse_duration)]
     time: Option<Duration>,
-    /// Stop at this error: √(mean variance of the mean)/mean S0, worst component
-    #[arg(long, value_name = "0.01", value_parser = parse_error)]
-    target_error: Option<f64>,
+    /// Stop at this error, √(mean variance of the mean)/mean S0, of every component or of some; adaptive
+    #[arg(long, value_name = "0.01|S0=0.01,…")]
+    target_error: Option<ErrorTargets>,
+    /// Give samples to the pixels that are noisy: --spp is what a pixel gets on the mean
+    #[arg(long)]
+    adaptive: bool,
     /// Threads [default: one a core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -133,7 +138,7 @@ pub fn run(args: &Args) -> Outcome {
     let stop = stop_on_interrupt()?;
     let limits = Limits {
         time: args.time,
-        error: args.target_error,
+        error: args.target_error.map(|targets| Targets(targets.0)),
     };
     let rendering =
         pool.install(|| engine::render(&job, limits, &stop, |progress| show(&bar, progress)));
@@ -295,15 +300,30 @@ fn load(args: &Args) -> Result<(Job, Vec<String>), Failure> {
     if args.no_skip {
         built.scene.follow_everything();
     }
-    let samples = args.spp.unwrap_or(built.samples);
+    let samples = match (args.spp, args.target_error) {
+        (Some(samples), _) => samples,
+        (None, Some(_)) => MOST_SAMPLES,
+        (None, None) => built.samples,
+    };
+    if args.unpolarized
+        && let Some(component) = args.target_error.and_then(|targets| targets.beyond_s0())
+    {
+        return Err(Failure::Usage(format!(
+            "--target-error: S{component} is not rendered with --unpolarized; expected S0 alone, or no --unpolarized"
+        )));
+    }
+    let block = if args.adaptive || args.target_error.is_some() {
+        args.sampler.largest_block()
+    } else {
+        args.sampler.block(samples, args.time.is_some())
+    };
     let job = Job {
         polarized: !args.unpolarized,
         plan,
         coherence: args.coherence.map(|separation| separation.0),
         samples,
-        block: args
-            .sampler
-            .block(samples, args.time.is_some() || args.target_error.is_some()),
+        adaptive: args.adaptive,
+        block,
         seed: args.seed,
         ..Job::new(built, mode)
     };
@@ -325,7 +345,8 @@ fn to_image(args: &Args, job: &Job, rendering: &Rendering) -> StokesImage {
     let (means, variances) = rendering.image();
     image.stokes = means;
     // one block has no variance
-    image.variance = (rendering.count.blocks() > 1).then_some(variances);
+    image.variance = (rendering.fewest_blocks() > 1).then_some(variances);
+    image.samples = rendering.adaptive.then(|| rendering.samples_of_pixels());
     image.coherence = rendering.coherence();
     image.metadata = metadata(args, job, rendering);
     image
@@ -355,8 +376,8 @@ fn metadata(
     [
         ("scene", args.scene.display().to_string()),
         ("seed", job.seed.to_string()),
-        (SAMPLES, rendering.count.samples.to_string()),
-        (SAMPLES_PER_BLOCK, rendering.count.block.to_string()),
+        (SAMPLES, format!("{:.0}", rendering.mean_samples())),
+        (BLOCKS, rendering.fewest_blocks().to_string()),
         ("wavelengths", wavelengths),
         ("sensor", job.camera.describe().to_owned()),
         ("frame", job.camera.frame().to_owned()),
@@ -391,7 +412,7 @@ fn tell(output: &Path, rendering: &Rendering, elapsed: Duration) {
     eprintln!(
         "{}: {} spp{stopped}, error {error}, {:.2} Mpaths/s, {:.1} s",
         output.display(),
-        rendering.count.samples,
+        rendering.mean_samples().round(),
         rendering.counters.paths as f64 / rendering.wall.as_secs_f64().max(1e-9) / 1e6,
         elapsed.as_secs_f64()
     );
@@ -408,7 +429,7 @@ fn print_json(rendering: &Rendering, threads: usize, wall: Duration, cpu: Durati
     let line = serde_json::json!({
         "paths": rendering.counters.paths,
         "rays": rendering.counters.rays,
-        "samples": rendering.count.samples,
+        "samples": rendering.mean_samples(),
         "paths_per_s": rate(rendering.counters.paths),
         "rays_per_s": rate(rendering.counters.rays),
         "sampling_wall_s": rendering.wall.as_secs_f64(),
@@ -417,6 +438,7 @@ fn print_json(rendering: &Rendering, threads: usize, wall: Duration, cpu: Durati
         "total_cpu_s": cpu.as_secs_f64(),
         "threads": threads,
         "error": rendering.error(),
+        "errors": &rendering.errors()[..rendering.components()],
         "rejected": rendering.rejected,
         "interrupted": rendering.interrupted,
     });

@@ -180,13 +180,47 @@ pub fn parse_duration(text: &str) -> Result<Duration, String> {
     }
 }
 
-/// A positive error.
-pub fn parse_error(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
-        _ => Err(format!(
-            "'{text}', expected a positive number such as 0.01 (1 %)"
-        )),
+/// `0.01` for all Stokes components, or `S0=0.01,S3=0.002` for some of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ErrorTargets(pub [f64; 4]);
+
+impl ErrorTargets {
+    /// The first component beyond S0 that has a target, where not all have the same.
+    pub fn beyond_s0(&self) -> Option<usize> {
+        let asked = |&k: &usize| self.0[k].is_finite() && self.0[k] != self.0[0];
+        (1..4).find(asked)
+    }
+}
+
+impl FromStr for ErrorTargets {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || {
+            format!(
+                "'{text}', expected a positive number such as 0.01 (1 %), or one for some components such as S0=0.01,S3=0.002"
+            )
+        };
+        let number = |text: &str| {
+            let value = text.trim().parse::<f64>().ok();
+            (value.filter(|v| *v > 0.0 && v.is_finite())).ok_or_else(wrong)
+        };
+        if !text.contains('=') {
+            return Ok(Self([number(text)?; 4]));
+        }
+        let mut targets = [f64::INFINITY; 4];
+        for part in text.split(',') {
+            let (name, value) = part.split_once('=').ok_or_else(wrong)?;
+            let component = ["S0", "S1", "S2", "S3"]
+                .iter()
+                .position(|other| other.eq_ignore_ascii_case(name.trim()))
+                .ok_or_else(wrong)?;
+            if targets[component].is_finite() {
+                return Err(wrong());
+            }
+            targets[component] = number(value)?;
+        }
+        Ok(Self(targets))
     }
 }
 

@@ -3,8 +3,9 @@
 //! A pixel's samples are added in their order by whoever holds its tile, and each is a function of (seed, pixel,
 //! sample) alone, so that neither the number of threads nor the size of the passes changes a bit of the image.
 //!
-//! `worker.rs` takes the samples of a tile.
+//! `spread.rs` says how many samples each pixel gets, `worker.rs` takes those of a tile.
 
+mod spread;
 mod worker;
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,13 +14,14 @@ use std::time::{Duration, Instant};
 use cpu_time::ProcessTime;
 use rayon::prelude::*;
 
-use crate::film::{Count, FilmGeometry, PixelSums, SpectralMode, TileSums};
+use crate::film::{FilmGeometry, PixelSums, SpectralMode, TileSums};
 use crate::filter::FilterSampler;
 use crate::path::{Counters, PathOptions};
 use crate::plan::Plan;
 use crate::scene::{BuiltScene, Scene};
 use crate::sensor::Camera;
-use worker::tile_pass;
+use spread::Spread;
+use worker::{Taken, tile_pass};
 
 /// Everything that a rendering needs, from the scene file and the command line.
 #[derive(Debug)]
@@ -40,9 +42,11 @@ pub struct Job {
     pub plan: Plan,
     /// Separation for the degree of coherence, metres toward image right and up; `None`: coherence is not asked for.
     pub coherence: Option<[f64; 2]>,
-    /// Samples a pixel.
+    /// Samples a pixel; on the mean if they are spread.
     pub samples: u64,
-    /// Samples that are stratified together, see [`crate::sampler::Generator::block`]; 1: independent samples.
+    /// Whether samples go to the pixels that need them, rather than to all alike.
+    pub adaptive: bool,
+    /// Samples that are stratified together, a power of two; at most so many if they are spread. 1: independent samples.
     pub block: u64,
     /// Seed of all random numbers.
     pub seed: u64,
@@ -63,6 +67,7 @@ impl Job {
             polarized: true,
             coherence: None,
             samples: built.samples,
+            adaptive: false,
             block: 1,
             seed: 0,
         }
@@ -74,15 +79,19 @@ impl Job {
 pub struct Limits {
     /// Wall time for sampling.
     pub time: Option<Duration>,
-    /// Relative error to reach: see [`Rendering::error`].
-    pub error: Option<f64>,
+    /// Errors to reach; samples go where they serve them.
+    pub error: Option<Targets>,
 }
+
+/// Largest error of each Stokes component, as [`Rendering::errors`] has it; infinite for those that may have any.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Targets(pub [f64; 4]);
 
 /// State of the work after a pass.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress<'a> {
     rendering: &'a Rendering,
-    /// Samples a pixel so far.
+    /// Samples a pixel so far, on the mean.
     pub samples: u64,
     /// Samples a pixel that were asked for.
     pub of: u64,
@@ -107,8 +116,10 @@ pub struct Rendering {
     film: FilmGeometry,
     colours: usize,
     polarized: bool,
-    /// Samples a pixel, and in what blocks.
-    pub count: Count,
+    /// Samples of all pixels.
+    pub samples: u64,
+    /// Whether pixels may have different numbers of samples.
+    pub adaptive: bool,
     /// Samples left out because they were not finite.
     pub rejected: u64,
     /// What tracing has cost.
@@ -137,12 +148,33 @@ impl Rendering {
             let start = (y as usize * width as usize + x as usize) * stride;
             for k in 0..stride {
                 let (component, colour) = (k / self.colours, k % self.colours);
-                let (mean, variance) = pixel.estimate(component, colour, self.count);
+                let (mean, variance) = pixel.estimate(component, colour);
                 means[start + k] = mean as f32;
                 variances[start + k] = variance as f32;
             }
         });
         (means, variances)
+    }
+
+    /// Samples a pixel, on the mean.
+    pub fn mean_samples(&self) -> f64 {
+        self.samples as f64 / self.film.pixels() as f64
+    }
+
+    /// Samples of each pixel, `[row][column]`.
+    pub fn samples_of_pixels(&self) -> Vec<u64> {
+        let mut all = vec![0; self.film.pixels() as usize];
+        self.for_each_pixel(|x, y, pixel| {
+            all[y as usize * self.film.crop_size[0] as usize + x as usize] = pixel.samples();
+        });
+        all
+    }
+
+    /// Complete blocks of the pixel that has fewest.
+    pub fn fewest_blocks(&self) -> u64 {
+        let mut fewest = u64::MAX;
+        self.for_each_pixel(|_, _, pixel| fewest = fewest.min(pixel.blocks()));
+        fewest
     }
 
     /// Coherence of the light of every pixel as in [`crate::image::StokesImage::coherence`], if it was asked for.
@@ -167,7 +199,7 @@ impl Rendering {
 
     /// Whether [`Self::variance_of`] is known.
     pub fn sums_products(&self) -> bool {
-        self.film.products && self.count.blocks() > 1
+        self.film.products && self.fewest_blocks() > 1
     }
 
     /// Variance of the mean of a weighted sum of the components of a pixel in one colour, from its samples.
@@ -176,18 +208,22 @@ impl Rendering {
     /// complete blocks.
     pub fn variance_of(&self, x: u32, y: u32, colour: usize, weights: &[f64; 4]) -> Option<f64> {
         let tile = &self.tiles[self.film.tile_of(x, y)];
-        tile.pixel(x, y, self.colours)
-            .variance_of(weights, colour, self.count)
+        tile.pixel(x, y).variance_of(weights, colour)
     }
 
     /// √(mean variance of the mean)/mean S0, of the worst component.
     pub fn error(&self) -> f64 {
+        self.errors().into_iter().fold(0.0, f64::max)
+    }
+
+    /// √(mean variance of the mean)/mean S0 of each component; 0 of those that the image lacks, and of a black image.
+    pub fn errors(&self) -> [f64; 4] {
         let mut mean = 0.0;
         let mut variances = [0.0; 4];
         self.for_each_pixel(|_, _, pixel| {
             for (component, sum) in variances.iter_mut().enumerate().take(self.components()) {
                 for colour in 0..self.colours {
-                    let (value, variance) = pixel.estimate(component, colour, self.count);
+                    let (value, variance) = pixel.estimate(component, colour);
                     *sum += variance;
                     if component == 0 {
                         mean += value;
@@ -195,20 +231,19 @@ impl Rendering {
                 }
             }
         });
-        let n = f64::from(self.film.crop_size[0])
-            * f64::from(self.film.crop_size[1])
-            * self.colours as f64;
-        let worst = variances.into_iter().fold(0.0, f64::max);
-        if mean > 0.0 {
-            (worst / n).sqrt() / (mean / n)
-        } else {
-            0.0
-        }
+        let n = self.film.pixels() as f64 * self.colours as f64;
+        variances.map(|sum| {
+            if mean > 0.0 {
+                (sum / n).sqrt() / (mean / n)
+            } else {
+                0.0
+            }
+        })
     }
 
     fn for_each_pixel(&self, mut visit: impl FnMut(u32, u32, PixelSums<'_>)) {
         for tile in &self.tiles {
-            tile.for_each(self.colours, &mut visit);
+            tile.for_each(&mut visit);
         }
     }
 }
@@ -227,10 +262,8 @@ pub fn render(
         film: job.film.clone(),
         colours,
         polarized: job.polarized,
-        count: Count {
-            samples: 0,
-            block: job.block,
-        },
+        samples: 0,
+        adaptive: job.adaptive || limits.error.is_some(),
         rejected: 0,
         counters: Counters::default(),
         wall: Duration::ZERO,
@@ -238,50 +271,65 @@ pub fn render(
         interrupted: false,
     };
     let (start, cpu_start) = (Instant::now(), ProcessTime::now());
-    let mut pass = 1;
-    while rendering.count.samples < job.samples {
-        let taken = rendering.count.samples;
-        let range = taken..(taken + pass).min(job.samples);
-        let pass_start = Instant::now();
-        let results: Vec<(Counters, u64)> = rendering
-            .tiles
-            .par_iter_mut()
-            .map_init(
-                || job.scene.stack(),
-                |stack, tile| tile_pass(job, &filter, tile, range.clone(), stack),
-            )
-            .collect();
-        for (counters, rejected) in results {
-            rendering.counters.paths += counters.paths;
-            rendering.counters.rays += counters.rays;
-            rendering.rejected += rejected;
+    let mut spread = rendering.adaptive.then(|| Spread::new(job, &limits));
+    let mut goals = match &mut spread {
+        Some(spread) => spread.next(&rendering.tiles),
+        None => Some(Spread::uniform(job)),
+    };
+    let mut most = 1;
+    'work: while let Some(current) = &goals {
+        loop {
+            let pass_start = Instant::now();
+            let pass: Vec<Taken> = rendering
+                .tiles
+                .par_iter_mut()
+                .map_init(
+                    || job.scene.stack(),
+                    |stack, tile| tile_pass(job, &filter, tile, (current, most), stack),
+                )
+                .collect();
+            let mut taken = Taken::default();
+            pass.into_iter().for_each(|of| taken += of);
+            rendering.samples += taken.samples;
+            rendering.rejected += taken.rejected;
+            rendering.counters.paths += taken.counters.paths;
+            rendering.counters.rays += taken.counters.rays;
+            report(Progress {
+                rendering: &rendering,
+                samples: rendering.mean_samples() as u64,
+                of: job.samples,
+                counters: rendering.counters,
+                elapsed: start.elapsed(),
+            });
+            if stop.load(Ordering::Relaxed) {
+                rendering.interrupted = taken.open > 0 || spread.is_some();
+                break 'work;
+            }
+            if limits.time.is_some_and(|limit| start.elapsed() >= limit) {
+                break 'work;
+            }
+            // passes of about half a second, or what is left of the time
+            let seconds = pass_start.elapsed().as_secs_f64().max(1e-4);
+            let left = limits.time.map_or(0.5, |limit| {
+                limit.saturating_sub(start.elapsed()).as_secs_f64().min(0.5)
+            });
+            let samples = left / seconds * taken.samples as f64;
+            if taken.open == 0 {
+                most = ((samples / job.film.pixels() as f64) as u64).clamp(1, 4 * most);
+                break;
+            }
+            most = ((samples / taken.open as f64) as u64).clamp(1, 4 * most);
         }
-        let taken = range.end - range.start;
-        rendering.count.samples = range.end;
-        report(Progress {
-            rendering: &rendering,
-            samples: rendering.count.samples,
-            of: job.samples,
-            counters: rendering.counters,
-            elapsed: start.elapsed(),
-        });
-        if stop.load(Ordering::Relaxed) {
-            rendering.interrupted = rendering.count.samples < job.samples;
-            break;
-        }
-        if limits.time.is_some_and(|limit| start.elapsed() >= limit)
-            || limits
-                .error
-                .is_some_and(|limit| rendering.count.blocks() > 1 && rendering.error() <= limit)
+        // judged at goals alone, so that the image does not depend on how long a pass takes
+        if let Some(Targets(targets)) = limits.error
+            && rendering.fewest_blocks() > 1
+            && (rendering.errors().iter().zip(targets)).all(|(error, target)| *error <= target)
         {
             break;
         }
-        // passes of about half a second, or what is left of the time
-        let seconds = pass_start.elapsed().as_secs_f64().max(1e-4) / taken as f64;
-        let left = limits.time.map_or(0.5, |limit| {
-            limit.saturating_sub(start.elapsed()).as_secs_f64().min(0.5)
-        });
-        pass = ((left / seconds) as u64).clamp(1, 4 * pass);
+        goals = spread
+            .as_mut()
+            .and_then(|spread| spread.next(&rendering.tiles));
     }
     rendering.wall = start.elapsed();
     rendering.cpu = cpu_start.elapsed();

@@ -3,6 +3,7 @@
 use glam::Vec4;
 
 use super::Job;
+use super::spread::Goals;
 use crate::colour::{rgb_weights, sample_wavelength};
 use crate::film::{SampleColours, SampleSums, SpectralMode, TileSums};
 use crate::filter::FilterSampler;
@@ -11,28 +12,74 @@ use crate::light::{Intensity, Light, Polarized};
 use crate::path::witness::{CoherenceSums, Listener, View};
 use crate::path::{CameraSample, Counters, Start, trace};
 use crate::plan::Wavelengths;
-use crate::sampler::SampleStream;
+use crate::sampler::{PixelStream, SampleStream};
 
-/// Adds a range of samples to every pixel of a tile.
+/// What a pass over a tile, or over all of them, has taken.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Taken {
+    /// What tracing has cost.
+    pub(super) counters: Counters,
+    /// Camera samples.
+    pub(super) samples: u64,
+    /// Of these, those left out because they were not finite.
+    pub(super) rejected: u64,
+    /// Pixels that have not reached their goal.
+    pub(super) open: u64,
+}
+
+impl std::ops::AddAssign for Taken {
+    fn add_assign(&mut self, other: Self) {
+        self.counters.paths += other.counters.paths;
+        self.counters.rays += other.counters.rays;
+        self.samples += other.samples;
+        self.rejected += other.rejected;
+        self.open += other.open;
+    }
+}
+
+/// Brings every pixel of a tile nearer to its goal, by at most `most` samples.
 pub(super) fn tile_pass(
     job: &Job,
     filter: &FilterSampler,
     tile: &mut TileSums,
-    range: std::ops::Range<u64>,
+    (goals, most): (&Goals, u64),
     stack: &mut Stack,
-) -> (Counters, u64) {
+) -> Taken {
     match (job.plan.stokes, job.plan.wavelengths) {
         (false, Wavelengths::Together) => {
-            Worker::<Intensity<4>>::new(job, filter).run(tile, range, stack)
+            Worker::<Intensity<4>>::new(job, filter).run(tile, goals, most, stack)
         }
         (true, Wavelengths::Together) => {
-            Worker::<Polarized<4>>::new(job, filter).run(tile, range, stack)
+            Worker::<Polarized<4>>::new(job, filter).run(tile, goals, most, stack)
         }
         (false, Wavelengths::One | Wavelengths::Apart) => {
-            Worker::<Intensity<1>>::new(job, filter).run(tile, range, stack)
+            Worker::<Intensity<1>>::new(job, filter).run(tile, goals, most, stack)
         }
         (true, Wavelengths::One | Wavelengths::Apart) => {
-            Worker::<Polarized<1>>::new(job, filter).run(tile, range, stack)
+            Worker::<Polarized<1>>::new(job, filter).run(tile, goals, most, stack)
+        }
+    }
+}
+
+/// A pixel of the film.
+struct Pixel {
+    /// Column and row on the whole film.
+    place: [u32; 2],
+    /// Numbered on the whole film: a crop shows the same samples as the whole image.
+    number: u64,
+    stream: PixelStream,
+}
+
+impl Pixel {
+    /// At (x, y) of the crop window.
+    fn new(job: &Job, x: u32, y: u32) -> Self {
+        let film = &job.film;
+        let place = [x + film.crop_offset[0], y + film.crop_offset[1]];
+        let number = u64::from(place[1]) * u64::from(film.size[0]) + u64::from(place[0]);
+        Self {
+            place,
+            number,
+            stream: PixelStream::new(job.seed, number),
         }
     }
 }
@@ -44,7 +91,7 @@ const PER_SAMPLE: usize = 4;
 struct Worker<'a, L: Light> {
     job: &'a Job,
     filter: &'a FilterSampler,
-    counters: Counters,
+    taken: Taken,
     light: std::marker::PhantomData<L>,
 }
 
@@ -53,55 +100,63 @@ impl<'a, L: Light> Worker<'a, L> {
         Self {
             job,
             filter,
-            counters: Counters::default(),
+            taken: Taken::default(),
             light: std::marker::PhantomData,
         }
     }
 
-    fn run(
-        mut self,
-        tile: &mut TileSums,
-        range: std::ops::Range<u64>,
-        stack: &mut Stack,
-    ) -> (Counters, u64) {
+    fn run(mut self, tile: &mut TileSums, goals: &Goals, most: u64, stack: &mut Stack) -> Taken {
         let mut colours = SampleColours::new(self.job.mode.colours());
-        let mut block = SampleSums::new(self.job.mode.colours());
-        let mut rejected = 0;
+        let mut open = SampleSums::new(self.job.mode.colours());
         for (x, y) in tile.pixels() {
-            tile.open(x, y, &mut block);
-            for sample in range.clone() {
+            let (taken, goal) = (tile.taken(x, y), goals.of(x, y));
+            let end = goal.end.min(taken.saturating_add(most));
+            if taken >= end {
+                continue;
+            }
+            self.taken.samples += end - taken;
+            self.taken.open += u64::from(end < goal.end);
+            tile.go_on(x, y, goal.first, goal.block);
+            tile.open(x, y, &mut open);
+            let pixel = Pixel::new(self.job, x, y);
+            // a power of two
+            let last = goal.block - 1;
+            for sample in taken..end {
+                let place = (sample - goal.first) & last;
+                let stream = |of: PixelStream| match last {
+                    0 => of.alone(sample),
+                    _ => of.in_block(sample, place as u8),
+                };
                 colours.clear();
-                let coherence = self.sample(x, y, sample, &mut colours, stack);
+                let coherence = self.sample(&pixel, &stream, &mut colours, stack);
                 if let Some(coherence) = coherence {
                     tile.add_coherence(x, y, &coherence);
                 }
-                if !block.add(&colours) {
-                    rejected += 1;
+                if !open.add(&colours) {
+                    self.taken.rejected += 1;
                 }
-                if (sample + 1) % self.job.block == 0 {
-                    tile.close(x, y, &mut block);
+                if place == last {
+                    tile.close(x, y, &mut open);
                 }
             }
-            tile.keep(x, y, &block);
+            tile.keep(x, y, &open, end);
         }
-        (self.counters, rejected)
+        self.taken
     }
 
-    /// One camera sample of the pixel at (x, y) of the crop window; also its coherence, if that is asked for.
+    /// One camera sample of a pixel; also its coherence, if that is asked for.
+    #[inline]
     fn sample(
         &mut self,
-        x: u32,
-        y: u32,
-        sample: u64,
+        pixel: &Pixel,
+        stream_of: &impl Fn(PixelStream) -> SampleStream,
         colours: &mut SampleColours,
         stack: &mut Stack,
     ) -> Option<CoherenceSums> {
         let job = self.job;
         let film = &job.film;
-        let (column, row) = (x + film.crop_offset[0], y + film.crop_offset[1]);
-        // numbered on the whole film: a crop shows the same samples as the whole image
-        let pixel = u64::from(row) * u64::from(film.size[0]) + u64::from(column);
-        let stream = SampleStream::in_block(job.seed, pixel, sample, job.block);
+        let [column, row] = pixel.place;
+        let stream = stream_of(pixel.stream);
         let [u, v] = stream.pair(0);
         let end = [0, 1].map(|axis| film.crop_offset[axis] + film.crop_size[axis]);
         let film_x = self.filter.position(column, u, film.crop_offset[0], end[0]);
@@ -112,17 +167,17 @@ impl<'a, L: Light> Worker<'a, L> {
             view: job.camera.view(column, row),
             start: job.camera.start(column as f32 + 0.5, row as f32 + 0.5),
             separation,
-            stream: SampleStream::in_block(!job.seed, pixel, sample, job.block),
+            stream: stream_of(PixelStream::new(!job.seed, pixel.number)),
             sums: CoherenceSums::default(),
         });
         // weights are those of the wavelengths in the coherence
         let mut path = |wavelengths: &[f32], weight: &dyn Fn(usize) -> f32| {
             if job.plan.dark {
-                self.counters.paths += 1;
+                self.taken.counters.paths += 1;
                 return L::dark();
             }
             if let Some(ear) = &mut ear {
-                ear.listen::<L>(wavelengths, weight, stack, &mut self.counters);
+                ear.listen::<L>(wavelengths, weight, stack, &mut self.taken.counters);
             }
             let camera = CameraSample {
                 start,
@@ -134,7 +189,7 @@ impl<'a, L: Light> Worker<'a, L> {
                 &job.paths,
                 camera,
                 stack,
-                &mut self.counters,
+                &mut self.taken.counters,
                 &mut (),
             )
         };

@@ -42,6 +42,9 @@ pub(super) const COHERENCE: [&str; 4] = [
     "coherence.degree",
 ];
 
+/// The channel of the numbers of samples, where they differ.
+pub(super) const SAMPLES: &str = "samples";
+
 /// The name under which we write a channel.
 pub(super) fn name(component: usize, variance: bool, colour: &Colour, index: usize) -> String {
     let var = if variance { ".var" } else { "" };

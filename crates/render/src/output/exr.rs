@@ -109,7 +109,7 @@ pub fn write(
 
 type Planes = Vec<(String, Vec<f32>)>;
 
-/// Components, variances, and plain red, green, blue copies of S0 for readers that know nothing else.
+/// Components, variances, plain red, green, blue copies of S0 for readers that know nothing else, and what else there is.
 fn planes(image: &StokesImage) -> std::result::Result<Planes, String> {
     let mut out = Planes::new();
     for component in 0..image.components {
@@ -145,6 +145,10 @@ fn planes(image: &StokesImage) -> std::result::Result<Planes, String> {
                 .enumerate()
                 .map(|(k, name)| ((*name).to_owned(), coherence.iter().map(|c| c[k]).collect())),
         );
+    }
+    if let Some(samples) = &image.samples {
+        let plane = samples.iter().map(|&n| n as f32).collect();
+        out.push((channels::SAMPLES.to_owned(), plane));
     }
     Ok(out)
 }
@@ -337,6 +341,17 @@ fn decode(bytes: &[u8]) -> std::result::Result<StokesImage, String> {
             );
         }
         out.coherence = Some(coherence);
+    }
+    if let Some(at) = names.iter().position(|name| name == channels::SAMPLES) {
+        let mut samples = vec![0.0; width * height];
+        scatter(
+            &image.layer_data.channel_data.list[at].sample_data,
+            &mut samples,
+            0,
+            1,
+        );
+        // what is no number of samples becomes 0
+        out.samples = Some(samples.into_iter().map(|n: f32| n.round() as u64).collect());
     }
     if metadata
         .remove(HANDEDNESS)

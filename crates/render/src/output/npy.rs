@@ -28,7 +28,7 @@ const MOST_NUMBERS: u64 = 1 << 32;
 
 /// Writes the numbers of an image as `.npy`: (H, W, 4), or (H, W, n, 4) for colours and bands.
 ///
-/// The last axis has length 1 where only S0 was rendered. Variances, coherence and metadata are left out.
+/// The last axis has length 1 where only S0 was rendered. Variances, coherence, numbers of samples and metadata are left out.
 ///
 /// # Errors
 /// The file cannot be written.
@@ -269,6 +269,7 @@ fn image_of(array: Array, colour_last: bool) -> Result<StokesImage, String> {
         },
         variance: None,
         coherence: None,
+        samples: None,
         metadata: BTreeMap::new(),
     };
     image.inconsistency().map_or(Ok(image), Err)

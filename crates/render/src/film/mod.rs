@@ -1,0 +1,218 @@
+//! The film: sums of Stokes vectors per pixel, from which the image and its variance follow.
+//!
+//! `sums.rs` keeps them, here are the film's size and a sample on its way there.
+
+mod sums;
+
+use glam::Vec4;
+pub use sums::{PixelSums, Run, TileSums};
+
+use crate::colour::{FIRST_NM, LAST_NM, rgb_weights};
+use crate::filter::Filter;
+use crate::path::witness::CoherenceSums;
+use sums::{Products, Sums};
+
+/// Which wavelengths an image shows, and how many colours it has.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SpectralMode {
+    /// One wavelength, nm.
+    Single(f64),
+    /// Equal bands between two wavelengths in nm; each pixel holds the mean over its band.
+    Bands {
+        /// Lower end of the first band.
+        from: f64,
+        /// Upper end of the last.
+        to: f64,
+        /// How many.
+        count: usize,
+    },
+    /// Linear sRGB from 360 to 830 nm.
+    Rgb,
+}
+
+impl SpectralMode {
+    /// First and last wavelength that paths may carry, nm.
+    pub fn range(&self) -> [f64; 2] {
+        match *self {
+            Self::Single(wavelength) => [wavelength; 2],
+            Self::Bands { from, to, .. } => [from, to],
+            Self::Rgb => [FIRST_NM, LAST_NM],
+        }
+    }
+
+    /// Colours of the image.
+    pub fn colours(&self) -> usize {
+        match self {
+            Self::Single(_) => 1,
+            Self::Bands { count, .. } => *count,
+            Self::Rgb => 3,
+        }
+    }
+
+    /// Centres of the bands, nm.
+    pub fn band_centres(&self) -> Vec<f64> {
+        match self {
+            Self::Single(wavelength) => vec![*wavelength],
+            Self::Bands { from, to, count } => (0..*count)
+                .map(|i| from + (to - from) * (i as f64 + 0.5) / *count as f64)
+                .collect(),
+            Self::Rgb => Vec::new(),
+        }
+    }
+}
+
+/// Size, crop window and filter of the film.
+#[derive(Clone, Debug)]
+pub struct FilmGeometry {
+    /// Whole film, pixels.
+    pub size: [u32; 2],
+    /// Top left corner of the crop window.
+    pub crop_offset: [u32; 2],
+    /// Size of the crop window: that of the image.
+    pub crop_size: [u32; 2],
+    /// Reconstruction filter.
+    pub filter: Filter,
+    /// Whether products of two components are summed too, so that the variance of every weighted sum of them is known.
+    pub products: bool,
+}
+
+/// Edge of a tile, pixels.
+const TILE: u32 = 16;
+
+impl FilmGeometry {
+    /// Memory that the sums take, bytes; with or without those of coherence.
+    pub fn bytes(&self, colours: usize, coherence: bool) -> u64 {
+        let pixels = u64::from(self.crop_size[0]) * u64::from(self.crop_size[1]);
+        let products = usize::from(self.products) * size_of::<Products>();
+        let stokes = ((size_of::<Sums>() + products) * colours + size_of::<u64>()) as u64;
+        pixels * (stokes + u64::from(coherence) * size_of::<CoherenceSums>() as u64)
+    }
+
+    /// Pixels of the crop window.
+    pub fn pixels(&self) -> u64 {
+        u64::from(self.crop_size[0]) * u64::from(self.crop_size[1])
+    }
+
+    /// Empty tiles that cover the crop window, from left to right and from top to bottom.
+    pub fn tiles(&self, colours: usize, coherence: bool) -> Vec<TileSums> {
+        let [width, height] = self.crop_size;
+        let corners = (0..height)
+            .step_by(TILE as usize)
+            .flat_map(|y| (0..width).step_by(TILE as usize).map(move |x| [x, y]));
+        corners
+            .map(|[x, y]| {
+                let size = [TILE.min(width - x), TILE.min(height - y)];
+                TileSums::new([x, y], size, (colours, self.products, coherence))
+            })
+            .collect()
+    }
+
+    /// Which of the tiles holds the pixel at (x, y) of the crop window.
+    pub fn tile_of(&self, x: u32, y: u32) -> usize {
+        (y / TILE * self.crop_size[0].div_ceil(TILE) + x / TILE) as usize
+    }
+}
+
+/// One sample's contribution to each colour, reused from sample to sample.
+#[derive(Clone, Debug)]
+pub struct SampleColours {
+    values: Vec<Vec4>,
+}
+
+impl SampleColours {
+    /// All dark, for so many colours.
+    pub fn new(colours: usize) -> Self {
+        Self {
+            values: vec![Vec4::ZERO; colours],
+        }
+    }
+
+    /// Starts a sample.
+    #[inline]
+    pub fn clear(&mut self) {
+        self.values.fill(Vec4::ZERO);
+    }
+
+    /// Adds a Stokes vector to one colour.
+    #[inline]
+    pub fn add(&mut self, colour: usize, stokes: Vec4) {
+        self.values[colour] += stokes;
+    }
+
+    /// Adds a Stokes vector at a wavelength in nm to linear sRGB, times `weight` nm.
+    #[inline]
+    pub fn add_spectral(&mut self, stokes: Vec4, wavelength: f32, weight: f32) {
+        let response = rgb_weights(wavelength);
+        for (value, r) in self.values.iter_mut().zip(response) {
+            *value += stokes * (r * weight);
+        }
+    }
+
+    /// The Stokes vector of each colour.
+    pub fn values(&self) -> &[Vec4] {
+        &self.values
+    }
+}
+
+/// Sums over the samples of the open block of a pixel.
+#[derive(Clone, Debug)]
+pub struct SampleSums {
+    sums: Vec<[f64; 4]>,
+}
+
+impl SampleSums {
+    /// Nothing yet, for so many colours.
+    pub fn new(colours: usize) -> Self {
+        Self {
+            sums: vec![[0.0; 4]; colours],
+        }
+    }
+
+    /// Adds a sample. One that is not finite is left out whole: the answer is false.
+    #[inline]
+    pub fn add(&mut self, sample: &SampleColours) -> bool {
+        if !sample.values.iter().all(|v| v.is_finite()) {
+            return false;
+        }
+        for (sums, value) in self.sums.iter_mut().zip(&sample.values) {
+            for (sum, value) in sums.iter_mut().zip(value.to_array()) {
+                *sum += f64::from(value);
+            }
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::vec4;
+
+    fn film(products: bool) -> FilmGeometry {
+        FilmGeometry {
+            size: [40, 40],
+            crop_offset: [0, 0],
+            crop_size: [37, 21],
+            filter: Filter::Box,
+            products,
+        }
+    }
+
+    #[test]
+    fn the_tile_of_a_pixel_is_found() {
+        let film = film(true);
+        let tiles = film.tiles(3, false);
+        for (index, tile) in tiles.iter().enumerate() {
+            assert!(tile.pixels().all(|(x, y)| film.tile_of(x, y) == index));
+        }
+    }
+
+    #[test]
+    fn what_is_not_finite_is_left_out() {
+        let mut colours = SampleColours::new(1);
+        colours.add(0, vec4(1.0, f32::NAN, 0.0, 0.0));
+        let mut sums = SampleSums::new(1);
+        assert!(!sums.add(&colours));
+        assert_eq!(sums.sums, [[0.0; 4]]);
+    }
+}
