@@ -167,6 +167,15 @@ fn wrong_options_exit_with_2_and_say_what_was_expected() {
         ("render scene.xml --bands 700:400:3", "FROM < TO"),
         ("render scene.xml --time never", "such as 60s"),
         ("render scene.xml --target-error -1", "-1"),
+        ("render scene.xml --target-error S4=0.1", "S0=0.01,S3=0.002"),
+        (
+            "render scene.xml --target-error S1=0.1,S1=0.2",
+            "S0=0.01,S3=0.002",
+        ),
+        (
+            "render scene.xml --target-error S0=0.1,S1=0.1 --unpolarized",
+            "S1 is not rendered with --unpolarized",
+        ),
         ("render scene.xml --threads 0", "--threads"),
         ("render scene.xml --sampler sobel", "independent"),
         ("render scene.xml -D spp", "NAME=VALUE"),
@@ -292,14 +301,82 @@ fn a_rendering_stops_in_time() {
 #[test]
 fn a_rendering_stops_at_the_error_that_is_asked_for() {
     let place = Place::new();
-    let line = place.json("render scene.xml --spp 1000000000000 --target-error 0.02");
-    let (error, samples) = (
-        line["error"].as_f64().unwrap(),
-        line["samples"].as_u64().unwrap(),
-    );
+    let errors = |line: &serde_json::Value| -> Vec<f64> {
+        let list = line["errors"].as_array().unwrap();
+        list.iter().map(|e| e.as_f64().unwrap()).collect()
+    };
+    let run = |options: &str| place.json(&format!("render scene.xml {options}"));
+    // the scene's own 4 samples are no limit
+    let all = run("--target-error 0.003");
+    let samples = all["samples"].as_u64().unwrap();
+    assert!(errors(&all).iter().all(|e| *e <= 0.003), "{all}");
+    assert!(samples > 4 && samples < 1_000_000, "{all}");
+    // S2 is weak here: it alone is known sooner, the others are not
+    let some = run("--target-error S2=0.003");
+    let found = errors(&some);
+    assert!(found[2] <= 0.003 && found[0] > 0.003, "{some}");
+    assert!(some["samples"].as_u64() < all["samples"].as_u64(), "{some}");
+    // a limit stays a limit, but for rounding of each pixel to blocks
+    let limited = run("--target-error 1e-9 --spp 100");
     assert!(
-        error <= 0.02 && samples > 4 && samples < 1_000_000,
-        "{line}"
+        (98..=102).contains(&limited["samples"].as_u64().unwrap()),
+        "{limited}"
+    );
+    assert_eq!(
+        run("--target-error S0=0.1 --unpolarized")["errors"]
+            .as_array()
+            .unwrap()
+            .len(),
+        1
+    );
+}
+
+#[test]
+fn the_error_that_is_asked_for_makes_the_same_image_on_any_number_of_threads() {
+    let place = Place::new();
+    for threads in ["1", "2", "5"] {
+        place.run(
+            &format!(
+                "render scene.xml --quiet --target-error 0.003 --threads {threads} -o {threads}.npy"
+            ),
+            0,
+        );
+    }
+    let [a, b, c] = ["1.npy", "2.npy", "5.npy"].map(|name| fs::read(place.path(name)).unwrap());
+    assert!(a == b && a == c);
+}
+
+#[test]
+fn samples_go_where_the_noise_is() {
+    let place = Place::new();
+    place.run(
+        "render scene.xml --quiet --size 32x24 --spp 256 --adaptive -o a.exr",
+        0,
+    );
+    let image = output::read(&place.path("a.exr")).unwrap();
+    let samples = image.samples.as_ref().unwrap();
+    let mean = samples.iter().sum::<u64>() as f64 / samples.len() as f64;
+    // numbers are rounded to an eighth at most, each by chance
+    assert!((mean / 256.0 - 1.0).abs() < 0.02, "{mean}");
+    assert_eq!(image.metadata["samples"], format!("{mean:.0}"));
+    assert!(image.blocks().unwrap() >= 4);
+    let (few, many) = (samples.iter().min().unwrap(), samples.iter().max().unwrap());
+    assert!(*few >= 64 && *many > 2 * few, "{few} {many}");
+    // the error is what spreading is for
+    let error = |options: &str| {
+        let line = place.json(&format!(
+            "render scene.xml --size 32x24 --spp 256 {options}"
+        ));
+        line["error"].as_f64().unwrap()
+    };
+    assert!(error("--adaptive") < error(""));
+    // without it there is nothing to tell
+    place.run("render scene.xml --quiet -o b.exr", 0);
+    assert!(
+        output::read(&place.path("b.exr"))
+            .unwrap()
+            .samples
+            .is_none()
     );
 }
 

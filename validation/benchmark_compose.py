@@ -6,7 +6,7 @@ import benchmark_growth as growth
 import benchmark_report as report
 import benchmark_tables as tables
 from benchmark_plots import draw
-from benchmark_stats import TARGET, TRIMMED
+from benchmark_stats import TARGET
 from common import ROOT
 
 HEAD = """# Benchmark
@@ -18,16 +18,17 @@ All of it:
     validation/.venv/bin/python validation/benchmark.py --python ~/mitsuba/bin/python
 """
 ERROR = f"""
-Each scene at its own film's size, or at the size that the command names. A turn renders every
-budget once in each program and mode, the programs taking turns, with seeds of its own. RMSE is
+Each scene at its own film's size, or at the size that the command names. Brewster renders it twice:
+with the same number of samples in every pixel, and with as many on the mean where the noise is
+(`--adaptive`; [images.md](images.md#adaptive-sampling)). A turn renders every budget once in each
+program and mode, the programs taking turns, with seeds of its own. RMSE is
 √⟨(image − reference)² − Var reference⟩ over all pixels, mean of the turns; where the reference's
 own variance is more than a quarter of it, marked *, it is the scatter between the turns. CPU
 seconds are user and system time of all threads while sampling (Mitsuba: `mi.render` and the copy
 to numpy), without loading, compiling and writing. CPU seconds to {TARGET:.0%} are those of the
 largest budget × (RMSE/target)², target {TARGET} of mean S0. Components that vanish in both are
 left out. Ratio: Mitsuba's seconds over Brewster's, above 1 Brewster is faster. Rare bright paths
-make S0 of some scenes heavy-tailed, so that two figures stand beside it: the median of the turns,
-and the scatter without the {TRIMMED:.0%} of pixels where it is greatest.
+make S0 of some scenes heavy-tailed, so that the ratio of the turns' medians stands beside it.
 """
 SPEED = """
 10⁶ a core-second at 256×256, 16 samples a pixel, the best of the turns. Paths are camera samples.

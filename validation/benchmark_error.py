@@ -1,7 +1,8 @@
 """Measures error against CPU time over a ladder of budgets, ours and Mitsuba's taking turns.
 
 A mode is one wavelength (`mono`) or all of them (`spectral`: `--rgb` here, its luminance over that
-of the unit spectrum, and llvm_ad_spectral_polarized there).  One turn renders every budget once in
+of the unit spectrum, and llvm_ad_spectral_polarized there).  A program is Brewster, Brewster with
+its samples where the noise is (`--adaptive`), or Mitsuba.  One turn renders every budget once in
 each mode and program, with seeds of its own, and a pass of PASS samples at SIZE for the paths per
 core-second.  Errors are those of the film's own size, where the repository holds references; of
 other sizes and scenes the reference is a long rendering of Brewster's, kept in target/benchmark.
@@ -28,6 +29,9 @@ from mitsuba_figures import LUMINANCE, UNIT_LUMINANCE
 SIZE = "256x256"
 PASS = 16
 MODES = {"mono": [], "spectral": ["--rgb"]}
+OURS = {"brewster": [], "adaptive": ["--adaptive"]}
+# fewer samples than this are too few to be spread
+FEWEST_SPREAD = 16
 CACHE = ROOT / "target" / "benchmark"
 SCRIPT = Path(__file__).parent / "benchmark_mitsuba.py"
 # seeds of turns stay clear of those of the references
@@ -102,11 +106,16 @@ def long_rendering(name: str, mode: str, plan: Plan, half: int) -> Array:
     return stokes(kept)
 
 
-def ours(name: str, mode: str, turn: int, plan: Plan) -> Iterator[tuple[int, Array, Run]]:
+def ours(
+    name: str, mode: str, program: str, turn: int, plan: Plan
+) -> Iterator[tuple[int, Array, Run]]:
     """Render every budget of a turn."""
     for i, spp in enumerate(plan.budgets):
+        if program == "adaptive" and spp < FEWEST_SPREAD:
+            continue
         seed = FIRST_SEED + 100 * turn + i
-        options = [*MODES[mode], *sized(plan.film), "--spp", str(spp), "--seed", str(seed)]
+        options = [*MODES[mode], *OURS[program], *sized(plan.film)]
+        options += ["--spp", str(spp), "--seed", str(seed)]
         with tempfile.TemporaryDirectory() as folder:
             run = alone(SCENES / name / "scene.xml", Path(folder), *options)
             yield spp, stokes(Path(folder) / "image.exr"), run
@@ -156,10 +165,15 @@ class Scene:
             self.largest.setdefault((mode, program), []).append(image)
 
     def our_turn(self, mode: str, turn: int) -> None:
-        """Render the ladder and the timed passes."""
-        for spp, image, run in ours(self.name, mode, turn, self.plan):
-            self.note("brewster", mode, turn, spp, image, rays=run.told["rays"], cpu_s=run.cpu())
-            if spp == min(self.plan.budgets):
+        """Render the ladders and the timed passes."""
+        rendered = [
+            (program, *one)
+            for program in OURS
+            for one in ours(self.name, mode, program, turn, self.plan)
+        ]
+        for program, spp, image, run in rendered:
+            self.note(program, mode, turn, spp, image, rays=run.told["rays"], cpu_s=run.cpu())
+            if program == "brewster" and spp == min(self.plan.budgets):
                 wall, cpu = run.start()
                 row = {"scene": self.name, "program": "brewster", "mode": mode, "turn": turn}
                 self.to.start.append({**row, "what": "load", "wall_s": wall, "cpu_s": cpu})
@@ -192,11 +206,11 @@ class Scene:
         for (mode, program), images in self.largest.items():
             if len(images) < 2:
                 continue
-            whole, trimmed = scatter(images)
+            between = scatter(images)
             row = {"scene": self.name, "mode": mode, "program": program}
             row |= {"spp": max(self.plan.budgets), "level": self.references[mode].level()}
-            row |= {f"scatter{k}": whole[k] for k in range(COMPONENTS)}
-            self.to.scatter.append(row | {f"trimmed{k}": trimmed[k] for k in range(COMPONENTS)})
+            row |= {f"scatter{k}": between[k] for k in range(COMPONENTS)}
+            self.to.scatter.append(row)
 
 
 def measure(plan: Plan) -> Measured:

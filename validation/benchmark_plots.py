@@ -16,6 +16,8 @@ Rows = list[dict[str, str]]
 LOOKS = {
     ("brewster", "mono"): ("#0072B2", "o", "-", "Brewster, one wavelength"),
     ("brewster", "spectral"): ("#0072B2", "s", "--", "Brewster, luminance of --rgb"),
+    ("adaptive", "mono"): ("#009E73", "o", "-", "Brewster --adaptive, one wavelength"),
+    ("adaptive", "spectral"): ("#009E73", "s", "--", "Brewster --adaptive --rgb"),
     ("mitsuba", "mono"): ("#D55E00", "o", "-", "Mitsuba, llvm_ad_mono_polarized"),
     ("mitsuba", "spectral"): ("#D55E00", "s", "--", "Mitsuba, llvm_ad_spectral_polarized"),
 }
@@ -84,7 +86,7 @@ def draw(error: Rows, folder: Path) -> list[str]:
                     markerfacecolor=colour if style == "-" else "none", label=label,
                 )  # fmt: skip
         figure.legend(
-            *panels[0].get_legend_handles_labels(), fontsize=8, ncols=4, loc="outside lower center"
+            *panels[0].get_legend_handles_labels(), fontsize=8, ncols=3, loc="outside lower center"
         )
         figure.savefig(folder / f"{scene}.png", dpi=90)
         pyplot.close(figure)

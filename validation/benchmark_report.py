@@ -8,6 +8,8 @@ from benchmark_tables import column, digits, groups, markdown
 
 Rows = list[dict[str, str]]
 Key = tuple[str, str, int]
+# of the tables' rows: samples alike in every pixel, spread, and the peer's
+PROGRAMS = ("brewster", "adaptive", "mitsuba")
 TITLES = {
     "mono": "One wavelength (Mitsuba: `llvm_ad_mono_polarized`)",
     "spectral": "Luminance of all wavelengths (`--rgb`; Mitsuba: `llvm_ad_spectral_polarized`)",
@@ -21,7 +23,6 @@ class Cost:
     error: float
     seconds: float
     median: float
-    trimmed: float
     zero: bool
     from_scatter: bool
 
@@ -43,10 +44,9 @@ def costs(error: Rows, scatter: Rows, program: str) -> dict[Key, Cost]:
             noisy = spread is not None and 4 * float(rows[0][f"noise{k}"]) > square
             if noisy and spread:
                 square = float(spread[f"scatter{k}"])
-            trimmed = float(spread[f"trimmed{k}"]) if spread else float("nan")
             found[scene, mode, k] = Cost(
                 max(square, 0) ** 0.5 / level,
-                *(seconds(cpu, s, level) for s in (square, middle, trimmed)),
+                *(seconds(cpu, s, level) for s in (square, middle)),
                 vanishes(square, level),
                 noisy,
             )
@@ -55,41 +55,49 @@ def costs(error: Rows, scatter: Rows, program: str) -> dict[Key, Cost]:
 
 def equal_error(error: Rows, scatter: Rows, mode: str) -> str:
     """Return the table of CPU seconds to the target in one mode."""
-    ours, theirs = (costs(error, scatter, program) for program in ("brewster", "mitsuba"))
-    rows, ratios, robust, resisting = [], [], [], []
-    for (scene, at, k), our in ours.items():
-        if at != mode:
+    even, spread, theirs = (costs(error, scatter, name) for name in PROGRAMS)
+    rows: list[list[str]] = []
+    ratios: dict[str, list[float]] = {"even": [], "spread": []}
+    resisting: dict[str, list[str]] = {"even": [], "spread": []}
+    for (scene, at, k), our in even.items():
+        adaptive, their = spread.get((scene, at, k)), theirs.get((scene, at, k))
+        if at != mode or (our.zero and (their is None or their.zero)):
             continue
-        their = theirs.get((scene, at, k))
-        if our.zero and (their is None or their.zero):
-            continue
-        mark = "*" if our.from_scatter or (their and their.from_scatter) else ""
-        row = [f"{scene} S{k}{mark}", f"{our.error:.3%}", digits(our.seconds)]
-        if their:
-            row += [f"{their.error:.3%}", digits(their.seconds)]
-            if our.zero or their.zero:
-                row += ["exact", "", ""]
+        every = [cost for cost in (our, adaptive, their) if cost]
+        name = f"{scene} S{k}"
+        row = [name + "*" * any(cost.from_scatter for cost in every)]
+        for cost in (our, adaptive, their if theirs else None):
+            row += [f"{cost.error:.3%}", digits(cost.seconds)] if cost else ["–", "–"]
+        for kind, mine in (("even", our), ("spread", adaptive)):
+            if not their or not mine:
+                row += ["–", "–"] if theirs else []
+            elif mine.zero or their.zero:
+                row += ["exact", ""]
             else:
-                ratio = their.seconds / our.seconds
-                row += [digits(ratio), digits(their.median / our.median)]
-                row += [digits(their.trimmed / our.trimmed)]
-                ratios.append(ratio)
-                if their.trimmed / our.trimmed > 0:
-                    robust.append(their.trimmed / our.trimmed)
+                ratio = their.seconds / mine.seconds
+                row += [digits(ratio), digits(their.median / mine.median)]
+                ratios[kind].append(ratio)
                 if ratio < 1:
-                    resisting.append(f"{scene} S{k}")
+                    resisting[kind].append(name)
         rows.append(row)
-    head = ["scene", "RMSE / mean S0", f"CPU s to {TARGET:.0%}"]
-    if theirs:
-        head += ["Mitsuba's RMSE", f"CPU s to {TARGET:.0%}", "ratio", "of medians", "trimmed"]
-        rows = [row + [""] * (len(head) - len(row)) for row in rows]
-        middle = ["**geometric mean**", "", "", "", ""]
-        rows.append([*middle, f"**{digits(geometric_mean(ratios))}**", "", ""])
-        rows[-1][-1] = digits(geometric_mean(robust))
+    to = f"CPU s to {TARGET:.0%}"
+    head = ["scene", "RMSE / mean S0", to, "`--adaptive`", to]
+    if not theirs:
+        rows = [row[: len(head)] for row in rows]
+        return f"### {TITLES[mode]}\n\n{markdown(head, rows)}"
+    head += ["Mitsuba", to, "ratio", "of medians", "adaptive: ratio", "of medians"]
+    means = [f"**{digits(geometric_mean(ratios[kind]))}**" for kind in ("even", "spread")]
+    rows.append(["**geometric mean**", *[""] * 6, means[0], "", means[1], ""])
     text = f"### {TITLES[mode]}\n\n{markdown(head, rows)}"
-    if theirs:
-        text += f"\nMitsuba is the faster one in {len(resisting)} of {len(ratios)} rows"
-        text += f": {', '.join(resisting)}.\n" if resisting else ".\n"
+    for kind, words in (
+        ("even", "the same number of samples in every pixel"),
+        ("spread", "`--adaptive`"),
+    ):
+        slower = resisting[kind]
+        text += (
+            f"\nWith {words} Mitsuba is the faster one in {len(slower)} of {len(ratios[kind])} rows"
+        )
+        text += f": {', '.join(slower)}.\n" if slower else ".\n"
     return text
 
 

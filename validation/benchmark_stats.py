@@ -12,8 +12,6 @@ from common import ROUND_OFF, Array
 
 # the error that costs are extrapolated to, over mean S0
 TARGET = 0.01
-# pixels of the greatest scatter that the trimmed figure leaves out
-TRIMMED = 0.01
 COMPONENTS = 4
 
 
@@ -39,11 +37,9 @@ def mean_square(image: Array, reference: Reference) -> Array:
     return ((image - reference.mean) ** 2 - reference.variance).mean((0, 1))
 
 
-def scatter(images: list[Array]) -> tuple[Array, Array]:
-    """Return the mean variance of each component between images, over all pixels and trimmed."""
-    variance = np.var(np.stack(images), axis=0, ddof=1).reshape(-1, COMPONENTS)
-    kept = max(round(len(variance) * (1 - TRIMMED)), 1)
-    return variance.mean(0), np.sort(variance, axis=0)[:kept].mean(0)
+def scatter(images: list[Array]) -> Array:
+    """Return the mean variance of each component between images."""
+    return np.var(np.stack(images), axis=0, ddof=1).mean((0, 1))
 
 
 def seconds(cpu: float, square: float, level: float) -> float:

@@ -138,7 +138,7 @@ pub fn run(args: &Args) -> Outcome {
     let stop = stop_on_interrupt()?;
     let limits = Limits {
         time: args.time,
-        error: args.target_error.map(|targets| Targets(targets.0)),
+        error: args.target_error.map(|targets| Targets(targets.targets)),
     };
     let rendering =
         pool.install(|| engine::render(&job, limits, &stop, |progress| show(&bar, progress)));
@@ -429,7 +429,7 @@ fn print_json(rendering: &Rendering, threads: usize, wall: Duration, cpu: Durati
     let line = serde_json::json!({
         "paths": rendering.counters.paths,
         "rays": rendering.counters.rays,
-        "samples": rendering.mean_samples(),
+        "samples": rendering.mean_samples().round() as u64,
         "paths_per_s": rate(rendering.counters.paths),
         "rays_per_s": rate(rendering.counters.rays),
         "sampling_wall_s": rendering.wall.as_secs_f64(),

@@ -182,13 +182,17 @@ pub fn parse_duration(text: &str) -> Result<Duration, String> {
 
 /// `0.01` for all Stokes components, or `S0=0.01,S3=0.002` for some of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ErrorTargets(pub [f64; 4]);
+pub struct ErrorTargets {
+    /// Of each component; infinite of those without.
+    pub targets: [f64; 4],
+    /// Whether the components are named.
+    pub named: bool,
+}
 
 impl ErrorTargets {
-    /// The first component beyond S0 that has a target, where not all have the same.
+    /// The first component beyond S0 that is asked for by its name.
     pub fn beyond_s0(&self) -> Option<usize> {
-        let asked = |&k: &usize| self.0[k].is_finite() && self.0[k] != self.0[0];
-        (1..4).find(asked)
+        (1..4).find(|&k| self.named && self.targets[k].is_finite())
     }
 }
 
@@ -206,7 +210,10 @@ impl FromStr for ErrorTargets {
             (value.filter(|v| *v > 0.0 && v.is_finite())).ok_or_else(wrong)
         };
         if !text.contains('=') {
-            return Ok(Self([number(text)?; 4]));
+            return Ok(Self {
+                targets: [number(text)?; 4],
+                named: false,
+            });
         }
         let mut targets = [f64::INFINITY; 4];
         for part in text.split(',') {
@@ -220,7 +227,10 @@ impl FromStr for ErrorTargets {
             }
             targets[component] = number(value)?;
         }
-        Ok(Self(targets))
+        Ok(Self {
+            targets,
+            named: true,
+        })
     }
 }
 
