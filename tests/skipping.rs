@@ -222,3 +222,55 @@ fn scalar_transport_on_request_stays_scalar() {
     );
     assert!(!skipped.stokes);
 }
+
+#[test]
+fn colours_of_a_grey_scene_are_those_of_a_constant_spectrum_times_one_wavelength() {
+    let metal = "<shape type='sphere'><bsdf type='conductor'><float name='eta' value='0.2'/><float name='k' value='3'/></bsdf>
+        </shape><emitter type='constant'/>";
+    let text = format!(
+        "<scene version='3.0.0'><sensor type='perspective'>
+            <transform name='to_world'><lookat origin='0, 1, 6' target='0, 0, 0' up='0, 1, 0'/></transform>
+            <film type='hdrfilm'><integer name='width' value='8'/><integer name='height' value='8'/></film></sensor>
+        {UNPOLARIZING}{metal}</scene>"
+    );
+    let document = read_text(&text, Path::new("test.xml"), &[]).unwrap();
+    let of = |mode: SpectralMode| {
+        let built = build(&document, Overrides::default()).unwrap();
+        let request = Request {
+            mode: &mode,
+            polarized: true,
+            coherence: false,
+            skip: true,
+        };
+        let plan = Plan::of(&built, &request);
+        assert!(plan.wavelengths == Wavelengths::One);
+        let job = Job {
+            plan,
+            samples: 4,
+            block: 4,
+            ..Job::new(built, mode.clone())
+        };
+        image(&job).0
+    };
+    let (one, colours) = (of(SpectralMode::Single(550.0)), of(SpectralMode::Rgb));
+    // trapezoids over the table's nanometres
+    let mut white = [0.0f64; 3];
+    for nm in 360..=830 {
+        let part = if nm == 360 || nm == 830 { 0.5 } else { 1.0 };
+        let response = render::colour::rgb_weights(nm as f32);
+        (0..3).for_each(|c| white[c] += part * f64::from(response[c]));
+    }
+    for (pixel, (s, rgb)) in one.chunks(4).zip(colours.chunks(12)).enumerate() {
+        for (k, value) in s.iter().enumerate() {
+            for c in 0..3 {
+                let (found, expected) = (f64::from(rgb[3 * k + c]), f64::from(*value) * white[c]);
+                // a few roundings to single precision, and of 471 terms of the sum
+                let tolerance = (8.0 + 22.0) * ROUNDING * f64::from(s[0]) * 1.3;
+                assert!(
+                    (found - expected).abs() <= tolerance,
+                    "pixel {pixel}, S{k}: {found} {expected}"
+                );
+            }
+        }
+    }
+}

@@ -113,6 +113,13 @@ pub fn rgb_weights(wavelength_nm: f32) -> [f32; 3] {
     [0, 1, 2].map(|c| (a[c] + on * (b[c] - a[c])) as f32)
 }
 
+/// Colour of a spectrum of constant value 1: the integral of [`rgb_weights`] over the visible range.
+pub(crate) fn grey_weights() -> [f32; 3] {
+    static WEIGHTS: LazyLock<[f32; 3]> =
+        LazyLock::new(|| [0, 1, 2].map(|c| integrate(|i| TABLES.rgb[i][c]) as f32));
+    *WEIGHTS
+}
+
 /// Illuminant D65 at `wavelength_nm`, scaled so that its luminance, and each of its linear sRGB components to 2e-4,
 /// reads 1; 0 outside 360-830 nm.
 #[must_use]

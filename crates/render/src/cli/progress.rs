@@ -9,16 +9,19 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use super::Failure;
 use crate::engine::Progress;
 
-/// A bar on standard error, or none.
-pub(super) fn progress_bar(quiet: bool, samples: u64) -> ProgressBar {
+/// A bar on standard error, or none; without an end where nobody knows how many `samples` there will be.
+pub(super) fn progress_bar(quiet: bool, samples: Option<u64>) -> ProgressBar {
     let target = if quiet {
         ProgressDrawTarget::hidden()
     } else {
         ProgressDrawTarget::stderr()
     };
-    let style = ProgressStyle::with_template("{wide_bar} {pos}/{len} spp  {msg}  {eta} left")
-        .expect("the template is well formed");
-    ProgressBar::with_draw_target(Some(samples), target).with_style(style)
+    let template = match samples {
+        Some(_) => "{wide_bar} {pos}/{len} spp  {msg}  {eta} left",
+        None => "{spinner} {pos} spp  {msg}  {elapsed}",
+    };
+    let style = ProgressStyle::with_template(template).expect("the template is well formed");
+    ProgressBar::with_draw_target(samples, target).with_style(style)
 }
 
 /// Brings the bar up to date after a pass.

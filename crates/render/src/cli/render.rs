@@ -134,7 +134,7 @@ pub fn run(args: &Args) -> Outcome {
             eprintln!("notice: {notice}");
         }
     }
-    let bar = progress_bar(args.quiet, job.samples);
+    let bar = progress_bar(args.quiet, Some(job.samples).filter(|n| *n < MOST_SAMPLES));
     let stop = stop_on_interrupt()?;
     let limits = Limits {
         time: args.time,

@@ -1,7 +1,5 @@
 //! One thread at work: camera samples of the pixels of a tile.
 
-use glam::Vec4;
-
 use super::Job;
 use super::spread::Goals;
 use crate::colour::{rgb_weights, sample_wavelength};
@@ -194,18 +192,22 @@ impl<'a, L: Light> Worker<'a, L> {
             )
         };
         // where it does not depend on the wavelength
-        let grey = job.plan.wavelengths == Wavelengths::One;
+        let one = job.plan.wavelengths == Wavelengths::One;
         // where within its bands a sample looks
         let place = || stream.pair(2)[0];
         match &job.mode {
             SpectralMode::Single(wavelength) => {
                 colours.add(0, path(&[*wavelength as f32], &|_| 1.0).as_ref()[0]);
             }
-            SpectralMode::Bands { from, count, .. } if grey => {
+            SpectralMode::Bands { from, count, .. } if one => {
                 let seen = path(&[*from as f32], &|_| 1.0).as_ref()[0];
                 for band in 0..*count {
                     colours.add(band, seen);
                 }
+            }
+            SpectralMode::Rgb if one => {
+                let [first, _] = job.mode.range();
+                colours.add_grey(path(&[first as f32], &|_| 1.0).as_ref()[0]);
             }
             SpectralMode::Bands { from, to, count } => {
                 let (u, width) = (place(), (to - from) / *count as f64);
@@ -228,21 +230,17 @@ impl<'a, L: Light> Worker<'a, L> {
                 let drawn: [(f32, f32); PER_SAMPLE] = std::array::from_fn(|k| {
                     sample_wavelength((u + k as f32 / PER_SAMPLE as f32).fract())
                 });
-                let mut show = |stokes: Vec4, (wavelength, density): (f32, f32)| {
-                    let weight = (density * PER_SAMPLE as f32).recip();
-                    colours.add_spectral(stokes, wavelength, weight);
-                };
-                if grey {
-                    let seen = path(&[drawn[0].0], &|_| 1.0).as_ref()[0];
-                    drawn.into_iter().for_each(|drawn| show(seen, drawn));
-                } else {
-                    for drawn in drawn.chunks(L::LANES) {
-                        let wavelengths = L::lanes(|lane| drawn[lane].0);
-                        let seen = path(wavelengths.as_ref(), &|lane| {
-                            luminance(drawn[lane].0) / drawn[lane].1
-                        });
-                        for (stokes, &drawn) in seen.as_ref().iter().zip(drawn) {
-                            show(*stokes, drawn);
+                for drawn in drawn.chunks(L::LANES) {
+                    let wavelengths = L::lanes(|lane| drawn[lane].0);
+                    let seen = path(wavelengths.as_ref(), &|lane| {
+                        luminance(drawn[lane].0) / drawn[lane].1
+                    });
+                    for (stokes, &(wavelength, density)) in seen.as_ref().iter().zip(drawn) {
+                        if job.plan.grey {
+                            colours.add_grey(*stokes / PER_SAMPLE as f32);
+                        } else {
+                            let weight = (density * PER_SAMPLE as f32).recip();
+                            colours.add_spectral(*stokes, wavelength, weight);
                         }
                     }
                 }

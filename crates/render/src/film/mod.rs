@@ -7,7 +7,7 @@ mod sums;
 use glam::Vec4;
 pub use sums::{PixelSums, Run, TileSums};
 
-use crate::colour::{FIRST_NM, LAST_NM, rgb_weights};
+use crate::colour::{FIRST_NM, LAST_NM, grey_weights, rgb_weights};
 use crate::filter::Filter;
 use crate::path::witness::CoherenceSums;
 use sums::{Products, Sums};
@@ -117,6 +117,8 @@ impl FilmGeometry {
 #[derive(Clone, Debug)]
 pub struct SampleColours {
     values: Vec<Vec4>,
+    /// Linear sRGB of a spectrum of constant value 1.
+    grey: [f32; 3],
 }
 
 impl SampleColours {
@@ -124,6 +126,7 @@ impl SampleColours {
     pub fn new(colours: usize) -> Self {
         Self {
             values: vec![Vec4::ZERO; colours],
+            grey: grey_weights(),
         }
     }
 
@@ -145,6 +148,14 @@ impl SampleColours {
         let response = rgb_weights(wavelength);
         for (value, r) in self.values.iter_mut().zip(response) {
             *value += stokes * (r * weight);
+        }
+    }
+
+    /// Adds a Stokes vector that is the same at all wavelengths to linear sRGB.
+    #[inline]
+    pub fn add_grey(&mut self, stokes: Vec4) {
+        for (value, w) in self.values.iter_mut().zip(self.grey) {
+            *value += stokes * w;
         }
     }
 

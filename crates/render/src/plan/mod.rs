@@ -42,6 +42,8 @@ pub struct Plan {
     pub stokes: bool,
     /// How paths carry wavelengths.
     pub wavelengths: Wavelengths,
+    /// Whether light and matter are the same at all wavelengths of the image: its colours are known beforehand.
+    pub grey: bool,
     /// Whether there is no light at all: nothing is traced.
     pub dark: bool,
     decisions: Vec<Decision>,
@@ -56,6 +58,7 @@ impl Plan {
         let (wavelengths, spectral) = spectral::decide(&stock, request);
         decisions.extend(spectral);
         decisions.extend(rays::decide(&stock, request));
+        plan.grey = wavelengths == Wavelengths::One && request.mode.colours() > 1;
         if request.skip {
             plan.stokes = stokes;
             plan.wavelengths = wavelengths;
@@ -72,6 +75,7 @@ impl Plan {
         Self {
             stokes: polarized,
             wavelengths: Wavelengths::in_full(scene, mode),
+            grey: false,
             dark: false,
             decisions: Vec::new(),
         }
