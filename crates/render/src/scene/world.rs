@@ -174,7 +174,8 @@ impl Scene {
     fn trace<const ANY: bool>(&self, ray: &Ray, stack: &mut Stack) -> Option<Hit> {
         let triangles = self.mesh_of.len();
         self.bvh.traverse::<ANY>(ray, stack, |primitive, t_max| {
-            self.shapes[primitive as usize - triangles].intersect(ray, t_max)
+            let hit = self.shapes[primitive as usize - triangles].intersect(ray, t_max);
+            hit.map(Vec3A::into)
         })
     }
 

@@ -28,8 +28,8 @@ pub struct Perspective {
     forward: Vec3A,
     /// Half the film's width and height at unit distance.
     half: [f32; 2],
-    /// Film size, pixels.
-    size: [f32; 2],
+    /// The width and height of a pixel there.
+    pixel: [f32; 2],
 }
 
 /// tan of half the horizontal field of view.
@@ -87,6 +87,7 @@ impl Perspective {
     pub fn read(object: &Object, size: [u32; 2]) -> Result<Self, SceneError> {
         let aspect = f64::from(size[0]) / f64::from(size[1]);
         let width = half_width(object, aspect)?;
+        let half = [width, width / aspect];
         let to_world = object.transform("to_world")?;
         let [right, up, forward] =
             [DVec3::NEG_X, DVec3::Y, DVec3::Z].map(|axis| to_world.transform_vector3(axis));
@@ -109,18 +110,19 @@ impl Perspective {
             right: (right / unit).as_vec3a(),
             up: (up / unit).as_vec3a(),
             forward: (forward / unit).as_vec3a(),
-            half: [width as f32, (width / aspect) as f32],
-            size: size.map(|n| n as f32),
+            half: half.map(|h| h as f32),
+            pixel: [0, 1].map(|axis| (2.0 * half[axis] / f64::from(size[axis])) as f32),
         })
     }
 
     /// The ray through a film position in pixels (0, 0 is the top left corner), and the first axis of its Stokes frame.
     #[inline]
     pub fn ray(&self, x: f32, y: f32) -> (Ray, Vec3A) {
-        let right = (2.0 * x / self.size[0] - 1.0) * self.half[0];
-        let up = (1.0 - 2.0 * y / self.size[1]) * self.half[1];
-        let direction = (self.forward + self.right * right + self.up * up).normalize();
-        let axis = direction.cross(self.up).normalize();
+        let right = x * self.pixel[0] - self.half[0];
+        let up = self.half[1] - y * self.pixel[1];
+        let toward = self.forward + self.right * right + self.up * up;
+        // neither waits for the other
+        let (direction, axis) = (toward.normalize(), toward.cross(self.up).normalize());
         (
             Ray {
                 origin: self.origin,

@@ -89,15 +89,17 @@ impl Shape {
 
     /// The nearest hit with `0 < t < t_max`: distance and two parameters for [`Shape::surface`].
     #[inline]
-    pub fn intersect(&self, ray: &Ray, t_max: f32) -> Option<(f32, f32, f32)> {
-        match self {
+    pub fn intersect(&self, ray: &Ray, t_max: f32) -> Option<Vec3A> {
+        let hit = match self {
             // found by the search tree itself
             Self::Rectangle(_) => None,
             Self::Sphere(s) => s.intersect(ray, t_max),
             Self::Disk(s) => s.intersect(ray, t_max),
             Self::Cylinder(s) => s.intersect(ray, t_max),
             Self::Cube(s) => s.intersect(ray, t_max),
-        }
+        };
+        // one vector: three numbers would go through memory one by one, and be waited for
+        hit.map(|(t, u, v)| Vec3A::new(t, u, v))
     }
 
     /// The surface at a hit.

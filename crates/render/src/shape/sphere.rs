@@ -61,12 +61,13 @@ impl Sphere {
     pub(super) fn intersect(&self, ray: &Ray, t_max: f32) -> Option<(f32, f32, f32)> {
         let d = ray.direction.as_dvec3();
         let to_centre = self.centre_f64 - ray.origin.as_dvec3();
-        let a = d.length_squared();
-        let along = to_centre.dot(d) / a;
+        // a division that need not wait for the dot product
+        let scale = d.length_squared().recip();
+        let along = to_centre.dot(d) * scale;
         // distance of the ray from the centre, without the cancellation of b² − 4ac
         let across = to_centre - d * along;
         let radius = f64::from(self.radius);
-        let half = (radius * radius - across.length_squared()) / a;
+        let half = (radius * radius - across.length_squared()) * scale;
         if half < 0.0 {
             return None;
         }
@@ -78,13 +79,27 @@ impl Sphere {
 
     #[inline]
     pub(super) fn surface(&self, ray: &Ray, t: f32) -> Surface {
-        let outward = (ray.origin - self.centre + ray.direction * t).normalize();
+        let from_centre = ray.origin - self.centre + ray.direction * t;
+        let along_u = self.pole.cross(from_centre) * self.sense;
+        let (distance2, across2) = (from_centre.length_squared(), along_u.length_squared());
+        // the two roots do not wait for each other
+        let (outward, u) = (from_centre / distance2.sqrt(), along_u / across2.sqrt());
         let normal = outward * self.side;
+        let frame = if across2 > 0.25 * distance2 {
+            // far from the poles a cross product is perpendicular to its factors within a few roundings
+            Frame {
+                s: u,
+                t: normal.cross(u),
+                n: normal,
+            }
+        } else {
+            Frame::with_tangent(normal, self.pole.cross(outward) * self.sense)
+        };
         Surface {
             position: self.centre + outward * self.radius,
             error: self.error,
             normal,
-            frame: Frame::with_tangent(normal, self.pole.cross(outward) * self.sense),
+            frame,
         }
     }
 
