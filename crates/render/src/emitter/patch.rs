@@ -6,10 +6,13 @@
 //! angle, some fraction of the lobe with which the matter there answers. Who asks twice with the same angle gets the
 //! same cut, so that a connection to a patch and a ray that hits it agree on what the patch is.
 //!
-//! A rectangle is cut into equal cells; a disk, and the cone under which a sphere is seen, into rings and these into
-//! cells of about equal width.
+//! A rectangle is cut as the unit square is, a disk and the cone under which a sphere is seen as the unit disk
+//! (`patch/cells.rs`).
 
-use std::f32::consts::{PI, TAU};
+mod cells;
+mod outline;
+
+use std::f32::consts::TAU;
 
 use glam::{Vec2, Vec3A, vec2};
 
@@ -17,6 +20,8 @@ use super::Target;
 use crate::coherence::Coherence;
 use crate::geometry::frame::Frame;
 use crate::shape::sphere::Sphere;
+use cells::{Cells, pieces};
+pub use outline::Outline;
 
 /// A piece of an emitter, as a vertex sees it.
 #[derive(Clone, Copy, Debug)]
@@ -33,175 +38,6 @@ pub struct Patch {
     pub solid_angle: f32,
 }
 
-/// A cell of the unit square [−1, 1]² or of the unit disk: moments of the uniform distribution over it.
-struct Cell {
-    mean: Vec2,
-    root: [Vec2; 2],
-    /// Share of the whole area.
-    share: f32,
-}
-
-/// How a unit outline is cut.
-#[derive(Clone, Copy, Debug)]
-enum Cells {
-    /// The square, into columns × rows.
-    Square { columns: u32, rows: u32 },
-    /// The disk, into rings of equal width.
-    Disk { rings: u32 },
-}
-
-/// Finest cut across one axis: numbers of cells stay exact in single precision.
-const FINEST: f32 = 1024.0;
-
-fn pieces(half_width: f32, largest: f32) -> u32 {
-    // a largest half-width of 0 asks for the finest cut
-    (half_width / largest).ceil().clamp(1.0, FINEST) as u32
-}
-
-/// Cells in ring `ring`: about as wide along the ring as across it.
-fn sectors(ring: u32) -> u32 {
-    if ring == 0 {
-        1
-    } else {
-        (PI * (2 * ring + 1) as f32).ceil() as u32
-    }
-}
-
-impl Cells {
-    /// Cells of at most the given half-width; `widths` are those of the outline's half axes.
-    fn of(round: bool, [u, v]: [f32; 2], largest: f32) -> Self {
-        if round {
-            Self::Disk {
-                // the disk in the middle has the width of a whole ring on both sides
-                rings: pieces(u.max(v), largest),
-            }
-        } else {
-            Self::Square {
-                columns: pieces(u, largest),
-                rows: pieces(v, largest),
-            }
-        }
-    }
-
-    fn len(self) -> u32 {
-        match self {
-            Self::Square { columns, rows } => columns * rows,
-            Self::Disk { rings } => (0..rings).map(sectors).sum(),
-        }
-    }
-
-    /// Ring and sector of a cell of the disk.
-    fn ring_of(mut index: u32) -> (u32, u32) {
-        let mut ring = 0;
-        while index >= sectors(ring) {
-            index -= sectors(ring);
-            ring += 1;
-        }
-        (ring, index)
-    }
-
-    fn cell(self, index: u32) -> Cell {
-        match self {
-            Self::Square { columns, rows } => {
-                let (width, height) = (2.0 / columns as f32, 2.0 / rows as f32);
-                let (column, row) = (index % columns, index / columns);
-                // a uniform distribution of width w has standard deviation w/√12
-                let deviation = 12f32.sqrt().recip();
-                Cell {
-                    mean: vec2(
-                        (column as f32 + 0.5) * width - 1.0,
-                        (row as f32 + 0.5) * height - 1.0,
-                    ),
-                    root: [vec2(width * deviation, 0.0), vec2(0.0, height * deviation)],
-                    share: (columns as f32 * rows as f32).recip(),
-                }
-            }
-            Self::Disk { rings } => {
-                let (ring, sector) = Self::ring_of(index);
-                let step = (rings as f32).recip();
-                if ring == 0 {
-                    return Cell {
-                        mean: Vec2::ZERO,
-                        root: [vec2(0.5 * step, 0.0), vec2(0.0, 0.5 * step)],
-                        share: step * step,
-                    };
-                }
-                let count = sectors(ring);
-                let (a, b) = (ring as f32 * step, (ring + 1) as f32 * step);
-                let half = PI / count as f32;
-                // moments of r over the ring, of cos and cos 2φ over the sector
-                let area = b * b - a * a;
-                let radius = 2.0 / 3.0 * (b * b * b - a * a * a) / area;
-                let square = 0.5 * (b * b + a * a);
-                let (sinc, sinc2) = (half.sin() / half, (2.0 * half).sin() / (2.0 * half));
-                let along = radius * sinc;
-                let radial = (0.5 * square * (1.0 + sinc2) - along * along)
-                    .max(0.0)
-                    .sqrt();
-                let tangential = (0.5 * square * (1.0 - sinc2)).sqrt();
-                let axis = Vec2::from_angle((2 * sector + 1) as f32 * half);
-                Cell {
-                    mean: axis * along,
-                    root: [axis * radial, axis.perp() * tangential],
-                    share: area / count as f32,
-                }
-            }
-        }
-    }
-
-    /// A point uniform over a cell.
-    fn point(self, index: u32, u: [f32; 2]) -> Vec2 {
-        match self {
-            Self::Square { columns, rows } => vec2(
-                2.0 * ((index % columns) as f32 + u[0]) / columns as f32 - 1.0,
-                2.0 * ((index / columns) as f32 + u[1]) / rows as f32 - 1.0,
-            ),
-            Self::Disk { rings } => {
-                let (ring, sector) = Self::ring_of(index);
-                let step = (rings as f32).recip();
-                let (a, b) = (ring as f32 * step, (ring + 1) as f32 * step);
-                let radius = (a * a + u[0] * (b * b - a * a)).sqrt();
-                let angle = (sector as f32 + u[1]) * TAU / sectors(ring) as f32;
-                Vec2::from_angle(angle) * radius
-            }
-        }
-    }
-
-    /// The cell that holds a point.
-    fn find(self, at: Vec2) -> u32 {
-        match self {
-            Self::Square { columns, rows } => {
-                let place =
-                    |x: f32, count: u32| ((0.5 * (x + 1.0) * count as f32) as u32).min(count - 1);
-                place(at.y, rows) * columns + place(at.x, columns)
-            }
-            Self::Disk { rings } => {
-                let ring = ((at.length() * rings as f32) as u32).min(rings - 1);
-                let turn = (at.y.atan2(at.x) / TAU).rem_euclid(1.0);
-                let sector = ((turn * sectors(ring) as f32) as u32).min(sectors(ring) - 1);
-                (0..ring).map(sectors).sum::<u32>() + sector
-            }
-        }
-    }
-}
-
-/// A flat outline in space: the image of the unit square or disk.
-#[derive(Clone, Copy, Debug)]
-pub struct Outline {
-    /// Where (0, 0) is.
-    pub centre: Vec3A,
-    /// Where (1, 0) is, from the centre.
-    pub half_u: Vec3A,
-    /// Where (0, 1) is, from the centre.
-    pub half_v: Vec3A,
-    /// Front-side normal, unit.
-    pub normal: Vec3A,
-    /// Whether it is round.
-    pub round: bool,
-    /// Half-widths of the box that holds a point's rounding error.
-    pub error: Vec3A,
-}
-
 impl Patch {
     /// Coherence of its light at the vertex.
     #[inline]
@@ -210,56 +46,6 @@ impl Patch {
             angular_root: self.angular_root,
             distance: self.distance,
         }
-    }
-}
-
-impl Outline {
-    /// Mean, root of the covariance and share of the area of the cell that holds a point, in coordinates of the outline.
-    ///
-    /// `widths`: angles under which its half axes are seen, cut into pieces of at most `largest`.
-    pub(crate) fn cell_at(
-        &self,
-        at: Vec3A,
-        widths: [f32; 2],
-        largest: f32,
-    ) -> (Vec2, [Vec2; 2], f32) {
-        let cells = Cells::of(self.round, widths, largest);
-        let cell = cells.cell(cells.find(self.coordinates(at)));
-        (cell.mean, cell.root, cell.share)
-    }
-
-    pub(crate) fn area(&self) -> f32 {
-        self.unit_area() * self.half_u.cross(self.half_v).length()
-    }
-
-    /// Area in its own coordinates.
-    pub(crate) fn unit_area(&self) -> f32 {
-        if self.round { PI } else { 4.0 }
-    }
-
-    /// Whether coordinates are within it.
-    pub(crate) fn holds(&self, x: Vec2) -> bool {
-        if self.round {
-            x.length_squared() <= 1.0
-        } else {
-            x.abs().max_element() <= 1.0
-        }
-    }
-
-    /// Coordinates of a point of the plane.
-    pub(crate) fn coordinates(&self, at: Vec3A) -> Vec2 {
-        let offset = at - self.centre;
-        let n = self.half_u.cross(self.half_v);
-        let scale = n.length_squared().recip();
-        vec2(
-            offset.cross(self.half_v).dot(n) * scale,
-            self.half_u.cross(offset).dot(n) * scale,
-        )
-    }
-
-    /// The point at given coordinates.
-    pub(crate) fn at(&self, x: Vec2) -> Vec3A {
-        self.centre + self.half_u * x.x + self.half_v * x.y
     }
 }
 

@@ -7,18 +7,22 @@
 //! S_sensor = T S,      T ← T R(T's frame ← vertex's outgoing frame) M
 //! ```
 //!
-//! `polarized.rs` is the only place where Stokes frames are turned into each other. A frame is named by its first axis, a
+//! `frames.rs` is the only place where Stokes frames are turned into each other. A frame is named by its first axis, a
 //! unit vector across the ray in world space; with the propagation direction `k` of the light the second is `k × x`.
 //! Once a vertex depolarizes, `T` has rank one and is kept as a column times a row; an unpolarized source needs only
 //! the first column of the last vertex. Both are exact.
 //!
 //! Single precision: each product rounds at 6e-8 relative, far below Monte Carlo noise at any affordable sample count.
 
+mod collect;
+mod frames;
 mod intensity;
 mod polarized;
 #[cfg(test)]
 mod polarized_tests;
+mod response;
 mod sight;
+mod throughput;
 
 use glam::{Mat4, Vec3, Vec3A, Vec4, vec4};
 use stokes::DiattenuatingRetarder;
@@ -93,8 +97,10 @@ impl From<DiattenuatingRetarder> for Element {
 }
 
 pub use intensity::Intensity;
-pub use polarized::{MuellerResponse, MuellerThroughput, Polarized};
+pub use polarized::Polarized;
+pub use response::MuellerResponse;
 pub use sight::Sight;
+pub use throughput::MuellerThroughput;
 
 /// What a source sends along one ray, at every wavelength of the path.
 #[derive(Clone, Copy, Debug)]

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3A, vec2};
 
-use super::polarized::double_angle;
+use super::frames::double_angle;
 
 /// Which linearly polarized light makes more S0 at the sensor than unpolarized light does.
 #[derive(Clone, Copy, Debug)]

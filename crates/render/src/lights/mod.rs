@@ -12,7 +12,11 @@
 
 mod bundle;
 #[cfg(test)]
+mod choice_tests;
+#[cfg(test)]
 mod light_tests;
+#[cfg(test)]
+mod testing;
 mod tree;
 
 use glam::Vec3A;

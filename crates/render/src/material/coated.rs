@@ -14,7 +14,7 @@ use mueller16::DielectricInterface;
 
 use super::microfacet::Microfacets;
 use super::roughplastic::RoughPassages;
-use super::{Departure, Effect, Matter, Part, Vertex, axis_s};
+use super::{Departure, Effect, Matter, Part, Vertex, axis_s, dark};
 use crate::coherence::Coherence;
 use crate::light::{Element, Light};
 use crate::sampler::cosine_hemisphere;
@@ -227,7 +227,7 @@ impl Matter for RoughlyCoated {
     ) -> (L::Response, f32) {
         let o = at.o;
         if o.z <= 0.0 || i.z <= 0.0 {
-            return (L::depolarizing(|_| 0.0), 0.0);
+            return dark::<L>();
         }
         let h = (o + i).normalize();
         let weight = self.facets.mirrored(o, i, h);

@@ -13,7 +13,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::{Mat4, Vec3A, vec2};
 
-use super::{Departure, Effect, Matter, Part, Vertex};
+use super::{Departure, Effect, Matter, Part, Vertex, dark};
 use crate::coherence::Coherence;
 use crate::emitter::patch::Outline;
 use crate::emitter::polarization::across;
@@ -88,7 +88,7 @@ impl Matter for Detector {
     ) -> (L::Response, f32) {
         let density = self.density(at, i);
         if density <= 0.0 {
-            return (L::depolarizing(|_| 0.0), 0.0);
+            return dark::<L>();
         }
         let matrix = Mat4::IDENTITY * i.z;
         let axis = across(Vec3A::X, Vec3A::Y, i);

@@ -5,7 +5,7 @@
 
 use glam::{Mat2, Vec2, Vec3A};
 
-use super::{Departure, Effect, Matter, Part, Traits, Vertex, axis_s};
+use super::{Departure, Effect, Matter, Part, Traits, Vertex, axis_s, dark};
 use crate::coherence::Coherence;
 use crate::light::{Element, Light};
 
@@ -85,7 +85,7 @@ impl Matter for Lobe {
             return (L::diattenuating_retarder(axis, |_| clear), 0.0);
         }
         if at.o.z <= 0.0 || i.z <= 0.0 {
-            return (L::depolarizing(|_| 0.0), 0.0);
+            return dark::<L>();
         }
         let mean = tangential(i) + tangential(at.o);
         let own = Mat2::from_diagonal(Vec2::splat(self.width * self.width));

@@ -405,6 +405,12 @@ impl Matter for Material {
     }
 }
 
+/// The response, and its density, of matter that sends nothing from one direction to the other.
+#[inline]
+fn dark<L: Light>() -> (L::Response, f32) {
+    (L::depolarizing(|_| 0.0), 0.0)
+}
+
 /// The axis perpendicular to the plane of incidence, first axis of the Stokes frames of an interface.
 ///
 /// `normal` and `i` are unit. Next to normal incidence the plane is lost in rounding, and with it the difference

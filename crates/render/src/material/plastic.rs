@@ -31,7 +31,7 @@ use mueller16::DielectricInterface;
 
 use super::coated::{Base, Coat, Passages};
 use super::dielectric::read_index;
-use super::{Departure, Effect, Matter, Part, Vertex, mirror};
+use super::{Departure, Effect, Matter, Part, Vertex, dark, mirror};
 use crate::coherence::Coherence;
 use crate::light::Light;
 use crate::sampler::cosine_hemisphere;
@@ -93,7 +93,7 @@ impl Matter for Plastic {
     ) -> (L::Response, f32) {
         let o = at.o;
         if o.z <= 0.0 || i.z <= 0.0 {
-            return (L::depolarizing(|_| 0.0), 0.0);
+            return dark::<L>();
         }
         if part != Part::Continuous {
             return (self.0.mirrored::<L>(Vec3A::Z, i, 1.0, wavelengths), 0.0);

@@ -24,7 +24,7 @@ use glam::Vec3A;
 
 use super::conductor::Metal;
 use super::microfacet::Microfacets;
-use super::{Departure, Effect, Matter, Part, Vertex, axis_s, mirror};
+use super::{Departure, Effect, Matter, Part, Vertex, axis_s, dark, mirror};
 use crate::coherence::Coherence;
 use crate::light::Light;
 use crate::scene::{Object, SceneError};
@@ -72,7 +72,7 @@ impl Matter for RoughConductor {
     ) -> (L::Response, f32) {
         let o = at.o;
         if o.z <= 0.0 || i.z <= 0.0 {
-            return (L::depolarizing(|_| 0.0), 0.0);
+            return dark::<L>();
         }
         let h = (o + i).normalize();
         let cos = i.dot(h).min(1.0);

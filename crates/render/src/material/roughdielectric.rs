@@ -32,7 +32,7 @@ use mueller16::DielectricInterface;
 
 use super::dielectric::read_index;
 use super::microfacet::Microfacets;
-use super::{Departure, Effect, Matter, Part, Vertex, axis_s, mirror};
+use super::{Departure, Effect, Matter, Part, Vertex, axis_s, dark, mirror};
 use crate::coherence::Coherence;
 use crate::light::{Element, Light};
 use crate::scene::{Object, SceneError};
@@ -207,12 +207,11 @@ impl Matter for RoughDielectric {
     ) -> (L::Response, f32) {
         let up = at.o.z > 0.0;
         let (o, i) = if up { (at.o, i) } else { (-at.o, -i) };
-        let dark = || (L::depolarizing(|_| 0.0), 0.0);
         if o.z <= 0.0 {
-            return dark();
+            return dark::<L>();
         }
         let Some(facet) = Facet::between(o, i, self.eta(up)) else {
-            return dark();
+            return dark::<L>();
         };
         let h = facet.h;
         let weight = self.facets.lit(o, i, h) / o.z * facet.squeeze();

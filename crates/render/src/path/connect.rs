@@ -78,49 +78,93 @@ impl<L: Light, W: Witness, const WAVES: bool> Walk<'_, L, W, WAVES> {
             coherence,
             ..
         } = connection;
-        let frame = place.vertex.frame;
-        let (response, own) = place.material.respond::<L>(
-            place.vertex,
-            frame.to_local(direction),
-            Part::Continuous,
-            self.wavelengths,
-            &coherence,
-        );
-        // a density of zero: matter sends nothing that way
-        if own <= 0.0 {
+        let Some((response, own)) = self.answer(place, direction, &coherence) else {
             return;
-        }
-        let straight = self.scene.traits().straight;
-        if !straight {
-            self.counters.rays += 1;
-            let ray = Scene::shadow_ray(place.surface, direction, target.as_ref());
-            if !self.scene.is_free(&ray, self.stack) {
-                return;
-            }
-        }
-        let density = connection.density * chosen;
-        let share = if connection.discrete {
-            1.0
-        } else {
-            power_heuristic(density, own)
         };
-        let weight = share * connection.weight / density;
-        let response = L::map_axes(response, |v| frame.to_world(v));
-        let source = target.map_or(Vec3A::ZERO, |t| t.position);
-        let emission = emitter.emit(-direction, source, self.wavelengths);
-        if straight {
-            let arrival = Arrival {
+        self.add(throughput, place, direction, target.as_ref(), |walk| {
+            let density = connection.density * chosen;
+            let share = if connection.discrete {
+                1.0
+            } else {
+                power_heuristic(density, own)
+            };
+            let weight = share * connection.weight / density;
+            let source = target.map_or(Vec3A::ZERO, |t| t.position);
+            walk.arrival(
+                place,
+                emitter,
+                (direction, source),
                 response,
-                emission,
-                direction,
                 coherence,
                 weight,
-            };
-            self.add_through(throughput, place, &arrival, direction, target.as_ref());
-        } else {
-            let o = frame.to_world(place.vertex.o);
-            let light = L::collect_through(throughput, response, o, &emission, -direction);
-            self.add_light(light, weight, Some((direction, coherence)));
+            )
+        });
+    }
+
+    /// What the matter makes of light from a direction, with the density of that direction; `None` if it ignores it.
+    #[inline]
+    pub(super) fn answer(
+        &self,
+        place: &Place<'_>,
+        direction: Vec3A,
+        coherence: &Coherence,
+    ) -> Option<(L::Response, f32)> {
+        let (response, own) = place.material.respond::<L>(
+            place.vertex,
+            place.vertex.frame.to_local(direction),
+            Part::Continuous,
+            self.wavelengths,
+            coherence,
+        );
+        // a density of zero: matter sends nothing that way
+        (own > 0.0).then_some((response, own))
+    }
+
+    /// The light of an emitter from a point of it in a direction, for matter that answers it with `response`.
+    #[inline]
+    pub(super) fn arrival(
+        &self,
+        place: &Place<'_>,
+        emitter: &Emitter,
+        (direction, source): (Vec3A, Vec3A),
+        response: L::Response,
+        coherence: Coherence,
+        weight: f32,
+    ) -> Arrival<L> {
+        let frame = place.vertex.frame;
+        Arrival {
+            response: L::map_axes(response, |v| frame.to_world(v)),
+            emission: emitter.emit(-direction, source, self.wavelengths),
+            direction,
+            coherence,
+            weight,
+        }
+    }
+
+    /// Adds light if nothing stands between the vertex and a point of the source; it is asked for once that is known.
+    #[inline]
+    pub(super) fn add(
+        &mut self,
+        throughput: &L::Throughput,
+        place: &Place<'_>,
+        direction: Vec3A,
+        target: Option<&Target>,
+        arrival: impl FnOnce(&Self) -> Arrival<L>,
+    ) {
+        if self.scene.traits().straight {
+            let arrival = arrival(self);
+            self.add_through(throughput, place, &arrival, direction, target);
+            return;
+        }
+        self.counters.rays += 1;
+        let ray = Scene::shadow_ray(place.surface, direction, target);
+        if self.scene.is_free(&ray, self.stack) {
+            let arrival = arrival(self);
+            let o = place.vertex.frame.to_world(place.vertex.o);
+            let k = -arrival.direction;
+            let light = L::collect_through(throughput, arrival.response, o, &arrival.emission, k);
+            let source = Some((arrival.direction, arrival.coherence));
+            self.add_light(light, arrival.weight, source);
         }
     }
 

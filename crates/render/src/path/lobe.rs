@@ -5,12 +5,9 @@ use glam::Vec3A;
 use super::connect::{Arrival, Place};
 use super::witness::Witness;
 use super::{PathOptions, Walk, power_heuristic};
-use crate::coherence::Coherence;
 use crate::emitter::patch::{Cut, Patch};
 use crate::emitter::{Emitter, Target};
 use crate::light::Light;
-use crate::material::{Matter, Part};
-use crate::scene::Scene;
 
 /// As many patches of a lamp as this are summed at one vertex; of more one is drawn.
 ///
@@ -151,7 +148,7 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
         if let Some((arrival, end)) = sum.drawn()
             && let Some((direction, target)) = end.point(at)
         {
-            self.add(throughput, place, &arrival, direction, target.as_ref());
+            self.add(throughput, place, direction, target.as_ref(), |_| arrival);
         }
         match cut {
             _ if summed => {}
@@ -160,40 +157,10 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
                 if let Some((arrival, index)) = self.one_patch(place, (chosen, chance), &cut, sum.u)
                     && let Some((direction, target)) = cut.point(index, at)
                 {
-                    self.add(throughput, place, &arrival, direction, target.as_ref());
+                    self.add(throughput, place, direction, target.as_ref(), |_| arrival);
                 }
             }
         }
-    }
-
-    /// The light of an emitter from a direction, with the density of that direction; `None` if the matter ignores it.
-    #[inline]
-    fn arrival(
-        &self,
-        place: &Place<'_>,
-        emitter: &Emitter,
-        (direction, source): (Vec3A, Vec3A),
-        coherence: Coherence,
-        weight: f32,
-    ) -> Option<(Arrival<L>, f32)> {
-        let frame = place.vertex.frame;
-        let (response, own) = place.material.respond::<L>(
-            place.vertex,
-            frame.to_local(direction),
-            Part::Continuous,
-            self.wavelengths,
-            &coherence,
-        );
-        (own > 0.0).then(|| {
-            let arrival = Arrival {
-                response: L::map_axes(response, |v| frame.to_world(v)),
-                emission: emitter.emit(-direction, source, self.wavelengths),
-                direction,
-                coherence,
-                weight,
-            };
-            (arrival, own)
-        })
     }
 
     /// One patch, drawn evenly, against rays that hit it.
@@ -209,11 +176,13 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
         let patch = cut.patch(index);
         let toward = (patch.direction, patch.centre);
         let density = patch_density(chance, cut, &patch);
-        let (mut arrival, own) =
-            self.arrival(place, emitter, toward, patch.coherence(), density.recip())?;
+        let coherence = patch.coherence();
+        let (response, own) = self.answer(place, patch.direction, &coherence)?;
+        let mut weight = density.recip();
         if emitter.can_be_met() {
-            arrival.weight *= power_heuristic(density, own);
+            weight *= power_heuristic(density, own);
         }
+        let arrival = self.arrival(place, emitter, toward, response, coherence, weight);
         Some((arrival, index))
     }
 
@@ -228,9 +197,9 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
     ) {
         let o = place.vertex.frame.to_world(place.vertex.o);
         let position = place.surface.position;
-        let mut show = |toward, coherence, weight, end| {
-            let arrival = self.arrival(place, emitter, toward, coherence, weight);
-            if let Some((arrival, _)) = arrival {
+        let mut show = |toward: (Vec3A, Vec3A), coherence, weight, end| {
+            if let Some((response, _)) = self.answer(place, toward.0, &coherence) {
+                let arrival = self.arrival(place, emitter, toward, response, coherence, weight);
                 let k = -arrival.direction;
                 let light =
                     L::collect_through(throughput, arrival.response, o, &arrival.emission, k);
@@ -258,31 +227,6 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
                     End::Patch(cut, index),
                 );
             }
-        }
-    }
-
-    /// Adds the light if nothing stands between the vertex and a point of the source.
-    #[inline]
-    fn add(
-        &mut self,
-        throughput: &L::Throughput,
-        place: &Place<'_>,
-        arrival: &Arrival<L>,
-        direction: Vec3A,
-        target: Option<&Target>,
-    ) {
-        if self.scene.traits().straight {
-            self.add_through(throughput, place, arrival, direction, target);
-            return;
-        }
-        self.counters.rays += 1;
-        let ray = Scene::shadow_ray(place.surface, direction, target);
-        if self.scene.is_free(&ray, self.stack) {
-            let o = place.vertex.frame.to_world(place.vertex.o);
-            let k = -arrival.direction;
-            let light = L::collect_through(throughput, arrival.response, o, &arrival.emission, k);
-            let source = Some((arrival.direction, arrival.coherence));
-            self.add_light(light, arrival.weight, source);
         }
     }
 }

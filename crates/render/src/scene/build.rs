@@ -1,14 +1,19 @@
 //! From what the scene file says to a scene that can be rendered: every plugin reads its own parameters.
+//!
+//! Here everything finds its place: which matter and which source a shape has, and what fits to what. Geometry is made
+//! in `build/bodies.rs`, matter in `build/materials.rs`.
+
+mod bodies;
+mod materials;
 
 use std::collections::HashMap;
 use std::rc::Rc;
 
-use glam::{DMat4, DVec3};
+use glam::DMat4;
 
 use super::camera::read_integrator;
 use super::document::Document;
 use super::error::SceneError;
-use super::mesh::load_obj;
 use super::object::Object;
 use super::plugins;
 use super::sensors::{Sensor, read_sensor};
@@ -20,33 +25,12 @@ use crate::emitter::{
     laser::Laser, point::Point, rayleighsky::RayleighSky, spot::Spot,
 };
 use crate::film::FilmGeometry;
-use crate::material::birefringent::Birefringent;
-use crate::material::circular::Circular;
-use crate::material::conductor::Conductor;
-use crate::material::dielectric::Dielectric;
+use crate::material::Material;
 use crate::material::diffuse::Diffuse;
-use crate::material::grating::Grating;
-use crate::material::layered::Layered;
-use crate::material::mueller::MuellerElement;
-use crate::material::null::Null;
-use crate::material::plastic::Plastic;
-use crate::material::polarizer::Polarizer;
-use crate::material::retarder::Retarder;
-use crate::material::rotator::Rotator;
-use crate::material::roughconductor::RoughConductor;
-use crate::material::roughdielectric::RoughDielectric;
-use crate::material::roughsurface::RoughSurface;
-use crate::material::scatterer16::Scatterer16;
-use crate::material::slits::Slits;
-use crate::material::thindielectric::ThinDielectric;
-use crate::material::twosided::TwoSided;
-use crate::material::{Material, pplastic, roughplastic};
 use crate::path::PathOptions;
 use crate::sensor::Camera;
-use crate::shape::{
-    Shape, cube::Cube, cylinder::Cylinder, disk::Disk, mesh::PlacedMesh, rectangle::Rectangle,
-    sphere::Sphere,
-};
+pub(crate) use bodies::within_reach;
+use materials::read_material;
 
 /// What the command line says instead of the scene file.
 #[derive(Clone, Copy, Debug, Default)]
@@ -78,8 +62,6 @@ pub struct BuiltScene {
     pub emitter_names: Vec<String>,
 }
 
-/// Largest distance from the origin that a scene may reach, metres: cubes of distances must fit into single precision.
-const FARTHEST: f32 = 1e12;
 /// Builds the scene that a document describes.
 ///
 /// # Errors
@@ -314,188 +296,4 @@ impl Builder {
         let name = self.material_names[material as usize].clone();
         Ok(self.add_material(Material::Slits(Box::new(slits)), name))
     }
-
-    /// The geometry of a shape.
-    fn body(&mut self, object: &Object, emits: bool) -> Result<Body, SceneError> {
-        let to_world = object.transform("to_world")?;
-        let flip = object.boolean("flip_normals", false)?;
-        if object.plugin == "obj" {
-            return self.mesh(object, &to_world, flip, emits);
-        }
-        let shape = match object.plugin.as_str() {
-            "rectangle" => Shape::Rectangle(Rectangle::new(&to_world, flip)),
-            "disk" => Shape::Disk(Disk::new(&to_world, flip)),
-            "cube" => Shape::Cube(Box::new(Cube::new(&to_world, flip))),
-            "sphere" => {
-                let radius = positive(object, "radius", 1.0)?;
-                let centre: DVec3 = object.optional_point("center")?.unwrap_or_default().into();
-                notice_inside_out(object, &to_world, flip);
-                Shape::Sphere(
-                    Sphere::new(centre, radius, &to_world, flip)
-                        .ok_or_else(|| not_rigid(object))?,
-                )
-            }
-            _ => {
-                let radius = positive(object, "radius", 1.0)?;
-                let p0: DVec3 = object.optional_point("p0")?.unwrap_or([0.0; 3]).into();
-                let p1: DVec3 = object
-                    .optional_point("p1")?
-                    .unwrap_or([0.0, 0.0, 1.0])
-                    .into();
-                if p0 == p1 {
-                    return Err(object.error_at(
-                        "p1",
-                        "'p0' and 'p1' are the same point, expected a tube of some length",
-                    ));
-                }
-                Shape::Cylinder(
-                    Cylinder::new(p0, p1, radius, &to_world, flip)
-                        .ok_or_else(|| not_rigid(object))?,
-                )
-            }
-        };
-        let bounds = shape.bounds();
-        within_reach(object, bounds.min.abs().max(bounds.max.abs()).max_element())?;
-        self.scene.shapes.push(shape);
-        Ok(Body::Shape(self.scene.shapes.len() as u32 - 1))
-    }
-
-    fn mesh(
-        &mut self,
-        object: &Object,
-        to_world: &DMat4,
-        flip: bool,
-        emits: bool,
-    ) -> Result<Body, SceneError> {
-        let path = object.path("filename")?;
-        let mesh = load_obj(&path, object.boolean("flip_tex_coords", true)?)?;
-        for notice in &mesh.notices {
-            object.notice_at("filename", notice);
-        }
-        let face_normals = object.boolean("face_normals", false)?;
-        if face_normals || mesh.normals.is_none() {
-            notice_inside_out(object, to_world, flip);
-        }
-        let placed = PlacedMesh::new(mesh, to_world, face_normals, flip, emits);
-        within_reach(object, placed.reach())?;
-        if emits && placed.area() <= 0.0 {
-            return Err(object.error_at(
-                "filename",
-                "an emitter on a mesh without area, expected triangles that can shine",
-            ));
-        }
-        let known: usize = self.scene.meshes.iter().map(PlacedMesh::len).sum();
-        if known + placed.len() >= crate::geometry::bvh::MAX_PRIMITIVES {
-            return Err(object.error_at(
-                "filename",
-                "more than a thousand million triangles in the scene, expected fewer",
-            ));
-        }
-        self.scene.meshes.push(placed);
-        Ok(Body::Mesh(self.scene.meshes.len() as u32 - 1))
-    }
-}
-
-fn positive(object: &Object, name: &str, default: f64) -> Result<f64, SceneError> {
-    let value = object.float(name, default)?;
-    if value > 0.0 {
-        Ok(value)
-    } else {
-        Err(object.error_at(
-            name,
-            format!(
-                "'{name}' of {} is {value}, expected a positive number",
-                object.describe()
-            ),
-        ))
-    }
-}
-
-fn not_rigid(object: &Object) -> SceneError {
-    object.error_at(
-        "to_world",
-        format!(
-            "a transform that stretches or skews {}, expected one that moves, turns, mirrors and scales evenly \
-             (a <rotate> stretches if its axis is not of unit length)",
-            object.describe()
-        ),
-    )
-}
-
-/// Tells the user of a mirroring transform that turns a shape inside out, unless `flip_normals` turns it back.
-fn notice_inside_out(object: &Object, to_world: &DMat4, flip: bool) {
-    if to_world.determinant() < 0.0 && !flip {
-        object.notice_at(
-            "to_world",
-            format!(
-                "the transform mirrors {}: its normals now point inward, as in Mitsuba; 'flip_normals' turns them back",
-                object.describe()
-            ),
-        );
-    }
-}
-
-/// Refuses what lies so far from the origin that single precision fails.
-pub(crate) fn within_reach(object: &Object, reach: f32) -> Result<(), SceneError> {
-    if reach <= FARTHEST {
-        Ok(())
-    } else {
-        Err(object.error(format!(
-            "{} reaches {reach:e} m from the origin, expected less than {FARTHEST:e} m; choose a larger unit of length",
-            object.describe()
-        )))
-    }
-}
-
-fn read_material(object: &Rc<Object>) -> Result<Material, SceneError> {
-    let material = match object.plugin.as_str() {
-        "diffuse" => Material::Diffuse(Diffuse::read(object)?),
-        "conductor" => Material::Conductor(Conductor::read(object)?),
-        "roughconductor" => Material::RoughConductor(RoughConductor::read(object)?),
-        "roughsurface" => Material::RoughSurface(Box::new(RoughSurface::read(object)?)),
-        "dielectric" => Material::Dielectric(Dielectric::read(object)?),
-        "pplastic" => Material::RoughlyCoated(pplastic::read(object)?),
-        "polarizer" => Material::Polarizer(Polarizer::read(object)?),
-        "retarder" => Material::Retarder(Retarder::read(object)?),
-        "circular" => Material::Circular(Circular::read(object)?),
-        "layered" => Material::Layered(Box::new(Layered::read(object)?)),
-        "birefringent" => Material::Birefringent(Box::new(Birefringent::read(object)?)),
-        "rotator" => Material::Rotator(Rotator::read(object)?),
-        "mueller" => Material::Mueller(MuellerElement::read(object)?),
-        "grating" => Material::Grating(Box::new(Grating::read(object)?)),
-        "slits" => Material::Slits(Box::new(Slits::read(object)?)),
-        "null" => Material::Null(Null),
-        "roughdielectric" => Material::RoughDielectric(RoughDielectric::read(object)?),
-        "thindielectric" => Material::ThinDielectric(ThinDielectric::read(object)?),
-        "plastic" => Material::Plastic(Plastic::read(object)?),
-        "roughplastic" => Material::RoughlyCoated(roughplastic::read(object)?),
-        "scatterer16" => Material::Scatterer16(Box::new(Scatterer16::read(object)?)),
-        "twosided" => {
-            let sides = object.children(Tag::Bsdf);
-            let [front, back] = match &sides[..] {
-                [both] => [both, both],
-                [front, back] => [front, back],
-                _ => {
-                    return Err(object.error(format!(
-                        "bsdf 'twosided' holds {} bsdfs, expected one for both sides or one for each",
-                        sides.len()
-                    )));
-                }
-            };
-            let [front, back] = [front, back].map(|side| {
-                let material = read_material(side)?;
-                if material.is_two_sided() {
-                    return Err(side.error(format!(
-                        "{} has two sides already, expected matter with one",
-                        side.describe()
-                    )));
-                }
-                Ok(material)
-            });
-            Material::TwoSided(TwoSided::new(front?, back?))
-        }
-        _ => return Err(plugins::refuse(object)),
-    };
-    object.finish()?;
-    Ok(material)
 }

@@ -55,7 +55,7 @@ use glam::{DVec3, Vec3A};
 use mueller16::DielectricInterface;
 
 use super::conductor::Metal;
-use super::{Departure, Effect, Matter, Part, Traits, Vertex, axis_s};
+use super::{Departure, Effect, Matter, Part, Traits, Vertex, axis_s, dark};
 use crate::coherence::Coherence;
 use crate::light::{Element, Light};
 use lines::Lines;
@@ -218,9 +218,8 @@ impl Matter for Grating {
         wavelengths: &[f32],
         coherence: &Coherence,
     ) -> (L::Response, f32) {
-        let black = (L::depolarizing(|_| 0.0), 0.0);
         if !self.faces(at.o) || !self.faces(i) {
-            return black;
+            return dark::<L>();
         }
         let view = self.view(at, wavelengths[0]);
         if let Part::Discrete(code) = part {
@@ -229,7 +228,7 @@ impl Matter for Grating {
         let (i64, o64) = (unit(i), unit(at.o));
         let lobe = self.lobe(&view, i64, o64, &self.spread(&view, at, i64, coherence));
         if lobe <= 0.0 {
-            return black;
+            return dark::<L>();
         }
         let density = self.density(&view, i64, o64) as f32;
         let Some((cap, h, element)) = self.passes(&view, i64, o64) else {

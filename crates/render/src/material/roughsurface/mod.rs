@@ -43,7 +43,7 @@ use mueller16::DielectricInterface;
 
 use super::conductor::Metal;
 use super::dielectric::read_index;
-use super::{Departure, Effect, Matter, Part, Traits, Vertex, axis_s, mirror};
+use super::{Departure, Effect, Matter, Part, Traits, Vertex, axis_s, dark, mirror};
 use crate::coherence::Coherence;
 use crate::light::{Element, Light};
 use crate::scene::{Object, SceneError};
@@ -341,13 +341,12 @@ impl Matter for RoughSurface {
         coherence: &Coherence,
     ) -> (L::Response, f32) {
         let o = at.o;
-        let dark = || (L::depolarizing(|_| 0.0), 0.0);
         if i.z == 0.0 || o.z == 0.0 || (o.z < 0.0 && self.is_metal()) {
-            return dark();
+            return dark::<L>();
         }
         let transmitted = o.z * i.z < 0.0;
         let Some(media) = self.passages(o)[usize::from(transmitted)] else {
-            return dark();
+            return dark::<L>();
         };
         if part != Part::Continuous {
             return (self.sharp::<L>(media, i, o, wavelengths), 0.0);

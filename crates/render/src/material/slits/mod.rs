@@ -43,7 +43,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3, Mat4, Vec3A};
 
-use super::{Departure, Effect, Matter, Part, Traits, Vertex};
+use super::{Departure, Effect, Matter, Part, Traits, Vertex, dark};
 use crate::coherence::Coherence;
 use crate::emitter::patch::Outline;
 use crate::light::Light;
@@ -255,7 +255,7 @@ impl Matter for Slits {
         coherence: &Coherence,
     ) -> (L::Response, f32) {
         if at.o.z * i.z >= 0.0 {
-            return (L::depolarizing(|_| 0.0), 0.0);
+            return dark::<L>();
         }
         let density = self.density(i, at.o, wavelengths[0]);
         let weight = self.transfer(at, i, wavelengths[0], coherence) * f64::from(i.z.abs());
