@@ -3,7 +3,7 @@
 //! ```text
 //! file ─ source ─ dialect ─ element ─ value ┐
 //!                   defines ($name) ────────┴─ xml ─ tree (ids, refs) ─ Document ─ Object: typed parameters
-//! OBJ file ─ obj (tobj) ─ Mesh
+//! OBJ file ─ obj ─ Mesh
 //! ```
 //!
 //! A scene is read in two steps. [`read`] knows the grammar and no plugin; it returns a [`Document`]. Whoever builds
@@ -21,6 +21,7 @@ mod lists;
 pub mod mesh;
 mod number;
 mod obj;
+mod obj_text;
 mod object;
 mod params;
 pub mod plugins;

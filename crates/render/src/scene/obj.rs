@@ -1,30 +1,14 @@
-//! Wavefront OBJ: vertices, normals, texture coordinates and faces of the whole file as one mesh, read by `tobj`.
-//!
-//! tobj passes over statements that it does not know, takes polylines for faces, cuts the mesh at groups and names no
-//! line in its errors. So it is given the statements that make triangles only, each checked before.
+//! Wavefront OBJ: vertices, normals, texture coordinates and faces of the whole file as one mesh.
 
+use std::collections::HashMap;
 use std::path::Path;
-use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::error::{Position, SceneError, quoted, suggestion};
+use super::error::{Position, SceneError};
 use super::mesh::{Mesh, count_degenerate, vertex_normals};
+use super::obj_text::{self, Corner, MISSING, Statements};
 use super::source::read_bytes;
-
-/// Statements that carry no triangles and are passed over: names, materials, smoothing groups, display hints.
-const IGNORED: &str = "g o s mg usemtl mtllib usemap maplib bevel c_interp d_interp lod call";
-
-/// Statements of points, lines and free-form surfaces; passed over too, with a notice.
-const NO_TRIANGLES: &str = "p l vp cstype deg bmat step curv curv2 surf parm trim hole scrv sp end con csh ctech \
-                            stech shadow_obj trace_obj";
-
-/// What a face names, in the order of its indices: statement, words, numbers that it needs, numbers that are read.
-const LISTS: [(&str, &str, usize, usize); 3] = [
-    ("v", "vertex", 3, 3),
-    ("vt", "texture coordinate", 1, 2),
-    ("vn", "normal", 3, 3),
-];
 
 /// Largest file, bytes: fewer corners than 32 bits can count.
 const LARGEST: usize = 1 << 33;
@@ -33,8 +17,8 @@ const LARGEST: usize = 1 << 33;
 ///
 /// All groups become one mesh; a polygon becomes a fan of triangles around its first corner. Vertex colours, the
 /// fourth coordinate and materials are ignored. `flip_tex_coords` replaces v by 1 − v. Tolerated, with a notice: no
-/// faces at all, statements that make no triangles, normals of no length (the vertices get smooth ones). tobj does not
-/// tell which corners lack a normal or texture coordinates: where some do, with a notice, all of them are without.
+/// faces at all, statements that make no triangles, normals of no length (the vertices get smooth ones). Where some
+/// corners lack a normal or texture coordinates, with a notice, all of them are without.
 ///
 /// # Errors
 ///
@@ -50,25 +34,9 @@ fn parse(bytes: &[u8], path: &Path, flip_tex_coords: bool) -> Result<Mesh, Scene
     if bytes.len() > LARGEST {
         return Err(whole.error("a file of more than 8 GiB, expected a smaller one"));
     }
-    // comments and names need not be UTF-8
-    let text = String::from_utf8_lossy(bytes);
-    let (statements, ignored) = select(text.trim_start_matches('\u{feff}'), path)?;
-    let options = tobj::LoadOptions {
-        triangulate: true,
-        single_index: true,
-        ..Default::default()
-    };
-    let no_materials = |_: &Path| Ok(Default::default());
-    let (models, _) = tobj::load_obj_buf(&mut statements.as_bytes(), &options, no_materials)
-        .map_err(|failure| whole.error(failure))?;
-    let mut mesh = assemble(
-        models
-            .into_iter()
-            .next()
-            .map(|model| model.mesh)
-            .unwrap_or_default(),
-        flip_tex_coords,
-    );
+    let parts = obj_text::read(bytes, path)?;
+    let ignored: usize = parts.iter().map(|part| part.ignored).sum();
+    let mut mesh = assemble(parts, flip_tex_coords);
     if ignored > 0 {
         mesh.notices.push(format!(
             "{ignored} statements of points, lines or free-form surfaces are ignored"
@@ -80,179 +48,89 @@ fn parse(bytes: &[u8], path: &Path, flip_tex_coords: bool) -> Result<Mesh, Scene
     Ok(mesh)
 }
 
-/// The statements that make triangles, all of them good, and how many others there are that might be missed.
-fn select(text: &str, path: &Path) -> Result<(String, usize), SceneError> {
-    let file: Arc<Path> = path.into();
-    let named = |keyword| {
-        text.lines()
-            .filter(|line| line.split_whitespace().next() == Some(keyword))
-            .count()
-    };
-    let totals = LISTS.map(|(keyword, ..)| named(keyword));
-    let mut before = [0; 3];
-    let (mut kept, mut ignored) = (String::with_capacity(text.len() + 1), 0);
-    let mut joined = String::new();
-    let mut number = 0;
-    for line in text.lines() {
-        number += 1;
-        let at = |message: String| Position::line(file.clone(), number).error(message);
-        // a backslash at the end joins the next line to this one
-        if let Some(start) = line
-            .trim_end()
-            .strip_suffix('\\')
-            .filter(|start| !start.starts_with('#'))
-        {
-            joined.push_str(start);
-            joined.push(' ');
-            continue;
-        }
-        joined.push_str(line);
-        let statement = joined.split('#').next().unwrap_or_default();
-        let mut words = statement.split_whitespace();
-        let keyword = words.next().unwrap_or_default();
-        if let Some(list) = LISTS.iter().position(|(name, ..)| *name == keyword) {
-            numbers(LISTS[list], words, &mut kept).map_err(at)?;
-            before[list] += 1;
-        } else if keyword == "f" {
-            check_face(words, before, totals).map_err(at)?;
-            kept.push_str(statement);
-            kept.push('\n');
-        } else if NO_TRIANGLES.split_whitespace().any(|name| name == keyword) {
-            ignored += 1;
-        } else if !keyword.is_empty() && !IGNORED.split_whitespace().any(|name| name == keyword) {
-            return Err(at(unknown(keyword)));
-        }
-        joined.clear();
-    }
-    if joined.is_empty() {
-        Ok((kept, ignored))
-    } else {
-        Err(Position::line(file, number)
-            .error("the file ends after a backslash, expected another line"))
-    }
+/// Vertices in the order of their first use: equal corners are one vertex.
+struct Vertices {
+    corners: Vec<Corner>,
+    /// The first vertex of each position, [`MISSING`] where there is none yet.
+    first: Vec<u32>,
+    /// The others: few but at seams.
+    others: HashMap<Corner, u32>,
 }
 
-fn unknown(keyword: &str) -> String {
-    if keyword.contains(char::REPLACEMENT_CHARACTER) {
-        return "the line is not text, expected an OBJ file".to_owned();
+impl Vertices {
+    /// The vertex of a corner.
+    fn index(&mut self, corner: Corner) -> u32 {
+        let new = self.corners.len() as u32;
+        let first = &mut self.first[corner[0] as usize];
+        let index = if *first == MISSING {
+            *first = new;
+            new
+        } else if self.corners[*first as usize] == corner {
+            *first
+        } else {
+            *self.others.entry(corner).or_insert(new)
+        };
+        if index == new {
+            self.corners.push(corner);
+        }
+        index
     }
-    format!(
-        "unknown statement {}{}",
-        quoted(keyword),
-        suggestion(keyword, &["v", "vn", "vt", "f"])
-    )
-}
 
-/// Copies a statement of numbers, all of them finite, without those that are not read; missing ones are zero.
-fn numbers<'w>(
-    (keyword, _, needed, read): (&str, &str, usize, usize),
-    words: impl Iterator<Item = &'w str>,
-    kept: &mut String,
-) -> Result<(), String> {
-    kept.push_str(keyword);
-    let mut found = 0;
-    for word in words {
-        let value: f32 = word.parse().map_err(|_| {
-            format!(
-                "{} in '{keyword}' is no number, expected {needed} or more",
-                quoted(word)
-            )
-        })?;
-        if !value.is_finite() {
-            return Err(format!(
-                "{} in '{keyword}' is not finite in single precision, expected a finite number",
-                quoted(word)
-            ));
-        }
-        if found < read {
-            kept.push(' ');
-            kept.push_str(word);
-        }
-        found += 1;
-    }
-    if found < needed {
-        return Err(format!(
-            "'{keyword}' with {found} numbers, expected {needed}"
-        ));
-    }
-    kept.push_str(&" 0".repeat(read.saturating_sub(found)));
-    kept.push('\n');
-    Ok(())
-}
-
-/// Positive indices count from the start of the file, negative ones back from this line.
-fn check_face<'w>(
-    words: impl Iterator<Item = &'w str>,
-    before: [usize; 3],
-    totals: [usize; 3],
-) -> Result<(), String> {
-    let mut corners = 0;
-    for word in words {
-        corners += 1;
-        if word.starts_with('/') || word.split('/').count() > 3 {
-            return Err(format!(
-                "face corner {}, expected v, v/vt, v//vn or v/vt/vn",
-                quoted(word)
-            ));
-        }
-        for (list, part) in word
-            .split('/')
-            .enumerate()
-            .filter(|(_, part)| !part.is_empty())
-        {
-            let index: i64 = part
-                .parse()
-                .map_err(|_| format!("index {} in a face, expected an integer", quoted(part)))?;
-            let (what, total, before) = (LISTS[list].1, totals[list], before[list]);
-            let reach = index.unsigned_abs();
-            if index == 0 {
-                return Err("index 0 in a face, expected 1 for the first vertex".to_owned());
-            } else if index > 0 && reach > total as u64 {
-                return Err(format!(
-                    "face names {what} {index}, expected at most {total}, the number in the file"
-                ));
-            } else if index < 0 && reach > before as u64 {
-                return Err(format!(
-                    "index {index} in a face, there are {before} before this line"
-                ));
-            }
-        }
-    }
-    if corners < 3 {
-        Err(format!("face with {corners} corners, expected at least 3"))
-    } else {
-        Ok(())
+    /// What the vertices have of one of the lists that corners name; shorter where some have nothing.
+    fn attribute<T: Copy>(&self, number: usize, list: &[T]) -> Vec<T> {
+        self.corners
+            .iter()
+            .filter_map(|corner| list.get(corner[number] as usize).copied())
+            .collect()
     }
 }
 
 /// One mesh with one index buffer, and what is to be said about it.
-fn assemble(read: tobj::Mesh, flip_tex_coords: bool) -> Mesh {
+fn assemble(parts: Vec<Statements>, flip_tex_coords: bool) -> Mesh {
+    let (mut positions, mut texcoords, mut normals) = (Vec::new(), Vec::new(), Vec::new());
+    let mut faces = Vec::with_capacity(parts.len());
+    for part in parts {
+        positions.extend(part.positions);
+        texcoords.extend(part.texcoords);
+        normals.extend(part.normals);
+        faces.push(part.triangles);
+    }
+    let mut vertices = Vertices {
+        corners: Vec::new(),
+        first: vec![MISSING; positions.len()],
+        others: HashMap::new(),
+    };
+    let mut triangles = Vec::with_capacity(faces.iter().map(Vec::len).sum());
+    for part in faces {
+        triangles.extend(
+            part.into_iter()
+                .map(|face| face.map(|corner| vertices.index(corner))),
+        );
+    }
     let mut mesh = Mesh {
-        positions: read.positions.as_chunks().0.to_vec(),
-        triangles: read.indices.as_chunks().0.to_vec(),
+        positions: vertices.attribute(0, &positions),
+        triangles,
         ..Mesh::default()
     };
     let count = mesh.positions.len();
-    match read.texcoords.len() / 2 {
+    let mut texcoords = vertices.attribute(1, &texcoords);
+    match texcoords.len() {
         0 => {}
         n if n == count => {
-            let flipped = |&[u, v]: &[f32; 2]| {
-                if flip_tex_coords {
-                    [u, 1.0 - v]
-                } else {
-                    [u, v]
-                }
-            };
-            mesh.texcoords = Some(read.texcoords.as_chunks().0.iter().map(flipped).collect());
+            if flip_tex_coords {
+                texcoords.iter_mut().for_each(|[_, v]| *v = 1.0 - *v);
+            }
+            mesh.texcoords = Some(texcoords);
         }
         n => mesh.notices.push(format!(
             "{} vertices lack texture coordinates, all do without",
             count - n
         )),
     }
-    match read.normals.len() / 3 {
+    let normals = vertices.attribute(2, &normals);
+    match normals.len() {
         0 => {}
-        n if n == count => set_normals(&mut mesh, read.normals.as_chunks().0),
+        n if n == count => set_normals(&mut mesh, &normals),
         n => mesh.notices.push(format!(
             "{} vertices lack a normal, all get smooth ones",
             count - n
