@@ -30,6 +30,10 @@ top of `validation/stress_cases.py`.
 In a box of perfect mirrors a path that hits within rounding of an edge may miss the wall on the
 other side of it, and be lost with the rest of its light: the row of the mean says how much that is.
 
+What single precision costs the algebra along a path, against the same links in double precision, is
+printed by `cargo test -p render --lib light::polarized -- --nocapture`: after a thousand lossless
+links the worst of 40 paths is off by 0.19 units of rounding (6e-8) a link.
+
 """
 
 

@@ -1,17 +1,19 @@
 //! The bounding volume hierarchy: obvhs builds the binary tree, which is collapsed to eight children a node.
 //!
-//! The only place, with `collapse.rs`, that knows obvhs. Leaves hold either up to four flat primitives, tested at
-//! once, or one shape of another kind, which the caller intersects.
+//! The only place, with `choices.rs` and `collapse.rs`, that knows obvhs. Leaves hold either up to four flat primitives,
+//! tested at once, or one shape of another kind, which the caller intersects.
 
-use std::time::Duration;
-
-use obvhs::{BvhBuildParams, aabb::Aabb, bvh2::builder::build_bvh2};
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::{Bvh2, node::Bvh2Node, reinsertion::ReinsertionOptimizer};
+use obvhs::ploc::PlocBuilder;
+use rayon::prelude::*;
 
 use super::collapse::collapse;
 use super::flat::FlatBlock;
 use super::node::{KIND, Node, WIDTH};
 use super::ray::{Hit, Ray};
-use super::simd::{Instructions, in_large_pages};
+use super::simd::Instructions;
 
 pub use super::bounds::{Bounds, Primitive};
 
@@ -25,7 +27,8 @@ pub struct Bvh {
     pub(super) blocks: Vec<FlatBlock>,
     /// The largest coordinate.
     pub(super) reach: f32,
-    depth: usize,
+    /// Nodes on the longest way from the root.
+    pub(super) depth: usize,
     /// Where there is one primitive and it is not flat.
     only: Option<u32>,
     instructions: Instructions,
@@ -41,28 +44,25 @@ impl Bvh {
     /// Rays are traced with the best instructions that the processor has, or with portable ones where the environment
     /// says `BREWSTER_SIMD=portable`; the hits are the same.
     pub fn build(primitives: &[Primitive]) -> Self {
-        let boxes: Vec<Aabb> = primitives
-            .iter()
-            .map(Primitive::bounds)
-            .map(|b| Aabb {
-                min: b.min,
-                max: b.max,
-            })
-            .collect();
-        if boxes.is_empty() {
+        Self::over(primitives.len(), |index| primitives[index as usize])
+    }
+
+    /// Builds the tree over so many primitives, each of which is asked for when it is needed: two or three times, in any
+    /// order.
+    pub fn over(count: usize, primitive: impl Fn(u32) -> Primitive + Sync) -> Self {
+        if count == 0 {
             return Self::default();
         }
-        let mut parameters = BvhBuildParams::medium_build();
-        parameters.max_prims_per_leaf = 1;
-        let binary = build_bvh2(&boxes, parameters, &mut Duration::default());
-        let wide = collapse(&binary, primitives);
-        let whole = binary.nodes[0].aabb;
+        let binary = binary_tree(count, &primitive);
+        let wide = collapse(&binary, &primitive);
+        let whole = binary.nodes[0].aabb();
+        let is_flat = |index| matches!(primitive(index), Primitive::Flat(_));
         Self {
-            nodes: in_large_pages(wide.nodes),
-            blocks: in_large_pages(wide.blocks),
+            nodes: wide.nodes,
+            blocks: wide.blocks,
             reach: whole.min.abs().max(whole.max.abs()).max_element(),
             depth: wide.depth,
-            only: matches!(primitives, [Primitive::Other(_)]).then_some(0),
+            only: (count == 1 && !is_flat(0)).then_some(0),
             instructions: Instructions::choose(),
         }
     }
@@ -110,4 +110,43 @@ impl Bvh {
         self.instructions
             .walk::<ANY>(self, ray, &mut stack.0, shape)
     }
+}
+
+/// The binary tree, one primitive in each leaf.
+fn binary_tree(count: usize, primitive: &(impl Fn(u32) -> Primitive + Sync)) -> Bvh2 {
+    /// In the order along the curve, how far to look for the neighbour to join.
+    const SEARCH_DISTANCE: usize = 14;
+    let parameters = BvhBuildParams::medium_build();
+    let mut builder = PlocBuilder::new();
+    builder.current_nodes = (0..count as u32)
+        .into_par_iter()
+        .map(|index| {
+            let bounds = primitive(index).bounds();
+            let (min, max) = (bounds.min, bounds.max);
+            Bvh2Node::new(Aabb { min, max }, 1, index)
+        })
+        .collect();
+    let whole = builder
+        .current_nodes
+        .iter()
+        .fold(Aabb::empty(), |whole, node| whole.union(node.aabb()));
+    let mut tree = Bvh2::zeroed(count);
+    tree.primitive_indices = (0..count as u32).collect();
+    builder.build_ploc_from_leaves::<SEARCH_DISTANCE, false>(
+        &mut tree,
+        whole,
+        parameters.sort_precision,
+        parameters.search_depth_threshold,
+    );
+    drop(builder);
+    let mut optimizer = ReinsertionOptimizer::default();
+    let (ratio, again) = (
+        parameters.reinsertion_batch_ratio,
+        parameters.post_collapse_reinsertion_batch_ratio_multiplier,
+    );
+    optimizer.run(&mut tree, ratio, None);
+    optimizer.run(&mut tree, ratio * again, None);
+    // only for changes of the tree
+    tree.parents = Vec::new();
+    tree
 }

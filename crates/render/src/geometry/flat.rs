@@ -79,7 +79,7 @@ pub(super) const BLOCK: usize = 4;
 const PARALLELOGRAM: u32 = 1 << 31;
 
 /// Up to four flat primitives, corner by corner and axis by axis; unused lanes have no area, so that nothing hits them.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(32))]
 pub struct FlatBlock {
     corners: [[[f32; BLOCK]; 3]; 3],
@@ -88,6 +88,12 @@ pub struct FlatBlock {
 }
 
 impl FlatBlock {
+    /// A block that nothing hits.
+    pub(super) const EMPTY: Self = Self {
+        corners: [[[0.0; BLOCK]; 3]; 3],
+        tags: [0; BLOCK],
+    };
+
     /// Packs at most four primitives given with their index.
     pub fn new(flats: &[(u32, Flat)]) -> Self {
         debug_assert!(!flats.is_empty() && flats.len() <= BLOCK);
@@ -99,10 +105,7 @@ impl FlatBlock {
                 parallelogram: false,
             },
         );
-        let mut block = Self {
-            corners: [[[0.0; BLOCK]; 3]; 3],
-            tags: [0; BLOCK],
-        };
+        let mut block = Self::EMPTY;
         for lane in 0..BLOCK {
             let (index, flat) = flats.get(lane).copied().unwrap_or(unused);
             block.tags[lane] = index | if flat.parallelogram { PARALLELOGRAM } else { 0 };

@@ -2,6 +2,7 @@
 
 pub mod bounds;
 pub mod bvh;
+mod choices;
 mod collapse;
 pub mod flat;
 pub mod frame;

@@ -26,7 +26,7 @@ use super::ray::Ray;
 pub(super) const WIDTH: usize = 8;
 
 /// Eight boxes, side by side, and what is in them: four cache lines.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub(super) struct Node {
     /// `[axis][0: lowest, 1: highest]`.

@@ -237,29 +237,30 @@ impl Simd for Avx2 {
     }
 }
 
-/// The same list in memory of large pages, where the system has them and the list is long: rays go astray less often.
-pub(super) fn in_large_pages<T: Copy>(list: Vec<T>) -> Vec<T> {
-    const LARGE: usize = 2 << 20;
-    if !cfg!(target_os = "linux") || size_of_val(&list[..]) < 2 * LARGE {
-        return list;
-    }
-    let mut moved: Vec<T> = Vec::with_capacity(list.len());
+/// So many equal elements, in memory of large pages where the system has them and the list is long: rays go astray less
+/// often.
+pub(super) fn filled_in_large_pages<T: Copy>(element: T, count: usize) -> Vec<T> {
+    let mut list: Vec<T> = Vec::with_capacity(count);
     #[cfg(target_os = "linux")]
     {
-        let begin = (moved.as_ptr() as usize).next_multiple_of(LARGE);
-        let end = moved.as_ptr() as usize + size_of_val(&list[..]);
-        // SAFETY: whole pages within memory that `moved` owns; the advice neither reads nor changes what is in them,
-        // and where it is refused nothing is lost
-        unsafe {
-            madvise(
-                begin as *mut _,
-                (end - begin) / LARGE * LARGE,
-                MADV_HUGEPAGE,
-            )
-        };
+        const LARGE: usize = 2 << 20;
+        let bytes = count * size_of::<T>();
+        if bytes >= 2 * LARGE {
+            let begin = (list.as_ptr() as usize).next_multiple_of(LARGE);
+            let end = list.as_ptr() as usize + bytes;
+            // SAFETY: whole pages within memory that `list` owns; the advice neither reads nor changes what is in
+            // them, and where it is refused nothing is lost
+            unsafe {
+                madvise(
+                    begin as *mut _,
+                    (end - begin) / LARGE * LARGE,
+                    MADV_HUGEPAGE,
+                )
+            };
+        }
     }
-    moved.extend_from_slice(&list);
-    moved
+    list.resize(count, element);
+    list
 }
 
 #[cfg(target_os = "linux")]

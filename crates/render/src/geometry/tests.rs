@@ -4,6 +4,7 @@ use glam::{DVec3, Vec3A};
 
 use super::bvh::{Bounds, Bvh, Primitive};
 use super::flat::{Flat, FlatBlock, Shear};
+use super::node::{FLATS, KIND, NODE, Node};
 use super::ray::Ray;
 
 const SCALES: [f32; 5] = [1e-6, 1e-3, 1.0, 1e3, 1e6];
@@ -140,6 +141,62 @@ impl Balls {
             .find(|&t| t > 0.0 && t < t_max)
             .map(|t| (t, 0.25, 0.5))
     }
+}
+
+/// A third of these lie on others, so that costs are equal; enough for all that the build does in parallel.
+fn crowd() -> (Vec<Flat>, Vec<Bounds>) {
+    let mut random = Random(17);
+    let mut flats = soup(&mut random, 80_000, 1.0);
+    flats.extend_from_within(..40_000);
+    let others = (0..50).map(|_| Bounds::of([random.point(), random.point()]));
+    (flats, others.collect())
+}
+
+#[test]
+fn the_tree_does_not_depend_on_the_number_of_threads() {
+    let (flats, others) = crowd();
+    let build = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().unwrap().install(|| tree(&flats, &others))
+    };
+    let one = build(1);
+    for threads in [2, 3, 8] {
+        let many = build(threads);
+        assert!(one.nodes == many.nodes, "nodes, {threads} threads");
+        assert!(one.blocks == many.blocks, "blocks, {threads} threads");
+        assert_eq!(one.depth, many.depth, "{threads} threads");
+    }
+}
+
+#[test]
+fn each_node_and_each_block_has_one_parent_and_siblings_lie_side_by_side() {
+    let (flats, others) = crowd();
+    let tree = tree(&flats, &others);
+    let (mut nodes, mut blocks, mut deepest) = (1, 0, 0);
+    let mut work = vec![(0, 1)];
+    while let Some((node, depth)) = work.pop() {
+        deepest = deepest.max(depth);
+        let node: &Node = &tree.nodes[node];
+        let children = node.children.iter().filter(|&&child| child != 0);
+        let inner: Vec<u32> = children
+            .clone()
+            .copied()
+            .filter(|c| c & KIND == NODE)
+            .collect();
+        // the order of the walk is that of the memory: depth first, siblings together
+        for &child in &inner {
+            assert_eq!(child as usize, nodes);
+            nodes += 1;
+        }
+        work.extend(inner.iter().rev().map(|&child| (child as usize, depth + 1)));
+        for &child in children.filter(|&&child| child & KIND == FLATS) {
+            assert_eq!((child & !KIND) as usize, blocks);
+            blocks += 1;
+        }
+    }
+    assert_eq!((nodes, blocks), tree.size());
+    assert_eq!(deepest, tree.depth);
+    assert!(deepest > 4, "no subtree is written on its own");
 }
 
 #[test]

@@ -99,6 +99,10 @@ impl<const N: usize> Light for Intensity<N> {
         throughput.iter().copied().fold(0.0, f32::max)
     }
     #[inline]
+    fn reach(throughput: &[f32; N]) -> f32 {
+        Self::strength(throughput)
+    }
+    #[inline]
     fn sight(_: &[f32; N]) -> Sight {
         Sight::BLIND
     }

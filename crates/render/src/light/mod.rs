@@ -200,6 +200,9 @@ pub trait Light: Copy + std::fmt::Debug + Send + Sync + 'static {
     fn accumulate(sum: &mut Self::Stokes, more: Self::Stokes, weight: f32);
     /// The largest T00 over the wavelengths: what reaches the sensor of unpolarized light of unit radiance.
     fn strength(throughput: &Self::Throughput) -> f32;
+    /// The largest S0 at the sensor that light of unit radiance in any state can make, over the wavelengths: for
+    /// realizable matter all of the sensor's components stay below it. At most twice [`Light::strength`].
+    fn reach(throughput: &Self::Throughput) -> f32;
     /// Which linearly polarized light makes more S0 at the sensor than other light, all wavelengths together.
     fn sight(throughput: &Self::Throughput) -> Sight;
     /// Scales the path by `weight`.

@@ -111,6 +111,10 @@ impl<const N: usize> Light for Polarized<N> {
         throughput.strength()
     }
     #[inline]
+    fn reach(throughput: &Self::Throughput) -> f32 {
+        throughput.reach()
+    }
+    #[inline]
     fn sight(throughput: &Self::Throughput) -> Sight {
         throughput.sight()
     }

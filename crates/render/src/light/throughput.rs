@@ -193,6 +193,20 @@ impl<const N: usize> MuellerThroughput<N> {
         })
     }
 
+    /// The largest S0 at the sensor of light of unit radiance: T00 + |(T01, T02, T03)|.
+    #[inline]
+    pub(super) fn reach(&self) -> f32 {
+        let most = |row: Vec4| row.x + vec4(0.0, row.y, row.z, row.w).length();
+        let largest = |values: [f32; N]| values.into_iter().fold(0.0, f32::max);
+        largest(match self {
+            Self::Full { matrices, .. } => matrices.map(|m| most(m.row(0))),
+            Self::RankOne { columns, rows, .. } => {
+                std::array::from_fn(|i| columns[i].x * most(rows[i]))
+            }
+            Self::Intensity { columns } => columns.map(|c| c.x),
+        })
+    }
+
     /// Which linearly polarized light makes more S0 at the sensor than other light, all wavelengths together.
     #[inline]
     pub(super) fn sight(&self) -> Sight {

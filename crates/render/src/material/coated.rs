@@ -189,13 +189,10 @@ pub struct RoughlyCoated {
     pub(super) facets: Microfacets,
 }
 
-impl RoughlyCoated {
-    /// Density of [`Matter::sample`], where a facet `h` mirrors `i` to `o`.
-    #[inline]
-    fn density(&self, o: Vec3A, i: Vec3A, h: Vec3A, wavelengths: &[f32]) -> f32 {
-        let p = self.coat.surface_probability(o, wavelengths);
-        p * self.facets.mirror_density(o, h) + (1.0 - p) * i.z * FRAC_1_PI
-    }
+/// Density of a direction drawn with probability `p` from facets, with this density, and else by its cosine.
+#[inline]
+fn joint_density(p: f32, of_facets: f32, i: Vec3A) -> f32 {
+    p * of_facets + (1.0 - p) * i.z * FRAC_1_PI
 }
 
 impl Matter for RoughlyCoated {
@@ -205,7 +202,8 @@ impl Matter for RoughlyCoated {
         if o.z <= 0.0 {
             return None;
         }
-        let i = if u[0] < self.coat.surface_probability(o, wavelengths) {
+        let p = self.coat.surface_probability(o, wavelengths);
+        let i = if u[0] < p {
             super::mirror(o, self.facets.sample(o, [u[1], u[2]]))
         } else {
             cosine_hemisphere([u[1], u[2]])
@@ -213,7 +211,8 @@ impl Matter for RoughlyCoated {
         if i.z <= 0.0 {
             return None;
         }
-        Departure::continuous(i, self.density(o, i, (o + i).normalize(), wavelengths), 1.0)
+        let of_facets = self.facets.mirror_density(o, (o + i).normalize());
+        Departure::continuous(i, joint_density(p, of_facets, i), 1.0)
     }
 
     #[inline]
@@ -230,13 +229,11 @@ impl Matter for RoughlyCoated {
             return dark::<L>();
         }
         let h = (o + i).normalize();
-        let weight = self.facets.mirrored(o, i, h);
+        let (weight, of_facets) = self.facets.mirrored(o, i, h);
         let surface = self.coat.mirrored::<L>(h, i, weight, wavelengths);
         let base = self.coat.diffuse::<L>(o, i, wavelengths);
-        (
-            L::sum(surface, base, o, -i),
-            self.density(o, i, h, wavelengths),
-        )
+        let p = self.coat.surface_probability(o, wavelengths);
+        (L::sum(surface, base, o, -i), joint_density(p, of_facets, i))
     }
 
     fn is_discrete(&self) -> bool {

@@ -146,12 +146,16 @@ impl Microfacets {
         self.density(h) * self.shadowing(i, h) * self.shadowing(o, h)
     }
 
-    /// BRDF × cos i of facets that mirror everything, `D G1(i) G1(o)/(4 cos o)`; h halves the directions.
+    /// BRDF × cos i of facets that mirror everything, `D G1(i) G1(o)/(4 cos o)`, and the density of
+    /// [`Microfacets::mirror_density`]; h halves the directions.
     ///
     /// Source: Walter et al. 2007, Eq. 20.
     #[inline]
-    pub fn mirrored(&self, o: Vec3A, i: Vec3A, h: Vec3A) -> f32 {
-        self.lit(o, i, h) / (4.0 * o.z)
+    pub fn mirrored(&self, o: Vec3A, i: Vec3A, h: Vec3A) -> (f32, f32) {
+        let facets = self.density(h);
+        let lit = facets * self.shadowing(i, h) * self.shadowing(o, h);
+        let drawn = self.drawn(o, h, facets);
+        (lit / (4.0 * o.z), drawn / (4.0 * o.dot(h)))
     }
 
     /// Density per steradian of the mirror direction of `o` at normals that [`Microfacets::sample`] draws.
@@ -178,10 +182,16 @@ impl Microfacets {
     /// Density per steradian with which [`Microfacets::sample`] draws the normal `m` for a viewer at `o`.
     #[inline]
     pub fn sampling_density(&self, o: Vec3A, m: Vec3A) -> f32 {
+        self.drawn(o, m, self.density(m))
+    }
+
+    /// The same where D(m) is known.
+    #[inline]
+    fn drawn(&self, o: Vec3A, m: Vec3A, facets: f32) -> f32 {
         if self.visible {
-            self.exact_shadowing(o) * o.dot(m).max(0.0) * self.density(m) / o.z.abs()
+            self.exact_shadowing(o) * o.dot(m).max(0.0) * facets / o.z.abs()
         } else {
-            self.density(m) * m.z
+            facets * m.z
         }
     }
 

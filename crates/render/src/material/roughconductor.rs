@@ -76,11 +76,11 @@ impl Matter for RoughConductor {
         }
         let h = (o + i).normalize();
         let cos = i.dot(h).min(1.0);
-        let weight = self.facets.mirrored(o, i, h);
+        let (weight, density) = self.facets.mirrored(o, i, h);
         let response = L::diattenuating_retarder(axis_s(h, i), |lane| {
             self.metal.reflection(cos, wavelengths[lane]).scaled(weight)
         });
-        (response, self.facets.mirror_density(o, h))
+        (response, density)
     }
 
     fn is_discrete(&self) -> bool {

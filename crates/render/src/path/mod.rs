@@ -248,12 +248,12 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
             }
             let known = scattered.is_some() || waiting.is_none();
 
-            // end weak paths
+            // end weak paths: those that no light can make strong at the sensor
             let dimension = FIRST_VERTEX + PER_VERTEX * (depth - 1);
             if depth > options.rr_depth && known {
                 let [roulette, _] = self.stream.pair(dimension + ROULETTE);
                 let reach = scattered.as_ref().unwrap_or(&throughput);
-                let survival = (L::strength(reach) * eta * eta).min(0.95);
+                let survival = (L::reach(reach) * eta * eta).min(0.95);
                 if roulette >= survival {
                     break;
                 }

@@ -1,6 +1,7 @@
 //! Triangle meshes with one index buffer, and smooth normals for those that come without.
 
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 pub use super::obj::load_obj;
 
@@ -21,6 +22,9 @@ pub struct Mesh {
     pub notices: Vec<String>,
 }
 
+/// Triangles whose angles are kept at once.
+const BATCH: usize = 1 << 16;
+
 /// Smooth unit normals, one a vertex: the mean of the normals around it, weighted by the angle at the vertex.
 ///
 /// Triangles without area do not count. A vertex with no other triangles, or whose triangles cancel each other, gets
@@ -35,17 +39,16 @@ pub struct Mesh {
 pub fn vertex_normals(mesh: &Mesh) -> Vec<[f32; 3]> {
     let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
     let mut fallback = vec![DVec3::Z; mesh.positions.len()];
-    for &triangle in &mesh.triangles {
-        let corners = triangle.map(|index| corner(mesh, index));
-        let Some(normal) = face_normal(corners) else {
-            continue;
-        };
-        for (k, index) in triangle.into_iter().enumerate() {
-            let a = corners[(k + 1) % 3] - corners[k];
-            let b = corners[(k + 2) % 3] - corners[k];
-            let angle = a.cross(b).length().atan2(a.dot(b));
-            sums[index as usize] += angle * normal;
-            fallback[index as usize] = normal;
+    // angles in parallel, sums in the order of the file
+    for batch in mesh.triangles.chunks(BATCH) {
+        let shares: Vec<_> = batch.par_iter().map(|&t| share(mesh, t)).collect();
+        for (triangle, (normal, angles)) in
+            batch.iter().zip(shares).filter_map(|(t, s)| Some((t, s?)))
+        {
+            for (&index, angle) in triangle.iter().zip(angles) {
+                sums[index as usize] += angle * normal;
+                fallback[index as usize] = normal;
+            }
         }
     }
     // A sum that is only rounding of terms near one has no direction.
@@ -53,13 +56,25 @@ pub fn vertex_normals(mesh: &Mesh) -> Vec<[f32; 3]> {
         let sum = Some(sum).filter(|sum| sum.length() > 1e-9);
         sum.map_or(fallback, DVec3::normalize).as_vec3().to_array()
     };
-    sums.into_iter().zip(fallback).map(direction).collect()
+    sums.into_par_iter().zip(fallback).map(direction).collect()
+}
+
+/// Unit normal of a triangle and the angles at its corners; `None` without area.
+fn share(mesh: &Mesh, triangle: [u32; 3]) -> Option<(DVec3, [f64; 3])> {
+    let corners = triangle.map(|index| corner(mesh, index));
+    let normal = face_normal(corners)?;
+    let angle = |k: usize| {
+        let a = corners[(k + 1) % 3] - corners[k];
+        let b = corners[(k + 2) % 3] - corners[k];
+        a.cross(b).length().atan2(a.dot(b))
+    };
+    Some((normal, [0, 1, 2].map(angle)))
 }
 
 /// The number of triangles without area.
 pub(super) fn count_degenerate(mesh: &Mesh) -> usize {
     let flat = |&&triangle: &&[u32; 3]| face_normal(triangle.map(|i| corner(mesh, i))).is_none();
-    mesh.triangles.iter().filter(flat).count()
+    mesh.triangles.par_iter().filter(flat).count()
 }
 
 fn corner(mesh: &Mesh, index: u32) -> DVec3 {

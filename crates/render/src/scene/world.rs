@@ -77,21 +77,25 @@ impl Scene {
     /// Builds the search tree over all shapes and meshes, notes what the matter needs, and weighs the light sources by
     /// their visible light.
     pub fn index(&mut self) {
-        let mut primitives = Vec::new();
         self.mesh_of.clear();
         self.first_triangle.clear();
         for (index, mesh) in self.meshes.iter().enumerate() {
-            self.first_triangle.push(primitives.len() as u32);
-            primitives.extend((0..mesh.len()).map(|t| {
-                Primitive::Flat(Flat {
-                    corners: mesh.corners(t),
-                    parallelogram: false,
-                })
-            }));
-            self.mesh_of.resize(primitives.len(), index as u32);
+            let first = self.mesh_of.len();
+            self.first_triangle.push(first as u32);
+            self.mesh_of.resize(first + mesh.len(), index as u32);
         }
-        primitives.extend(self.shapes.iter().map(Shape::primitive));
-        self.bvh = Bvh::build(&primitives);
+        let triangles = self.mesh_of.len();
+        self.bvh = Bvh::over(triangles + self.shapes.len(), |index| {
+            let index = index as usize;
+            if index >= triangles {
+                return self.shapes[index - triangles].primitive();
+            }
+            let (mesh, triangle) = self.triangle(index);
+            Primitive::Flat(Flat {
+                corners: self.meshes[mesh].corners(triangle),
+                parallelogram: false,
+            })
+        });
         self.material_traits = self.materials.iter().map(Matter::traits).collect();
         self.traits = self
             .used_materials()
@@ -170,6 +174,13 @@ impl Scene {
         self.bvh.stack()
     }
 
+    /// The mesh of a triangle of the scene, and its number in it.
+    #[inline]
+    fn triangle(&self, index: usize) -> (usize, usize) {
+        let mesh = self.mesh_of[index] as usize;
+        (mesh, index - self.first_triangle[mesh] as usize)
+    }
+
     #[inline]
     fn trace<const ANY: bool>(&self, ray: &Ray, stack: &mut Stack) -> Option<Hit> {
         let triangles = self.mesh_of.len();
@@ -185,8 +196,7 @@ impl Scene {
         let hit = self.trace::<false>(ray, stack)?;
         let triangle = hit.primitive as usize;
         Some(if triangle < self.mesh_of.len() {
-            let mesh = self.mesh_of[triangle] as usize;
-            let local = triangle - self.first_triangle[mesh] as usize;
+            let (mesh, local) = self.triangle(triangle);
             Encounter {
                 surface: self.meshes[mesh].surface(local, hit.u, hit.v),
                 owner: self.mesh_owners[mesh],
