@@ -97,7 +97,9 @@ def equal_error(error: Rows, scatter: Rows, mode: str) -> str:
         text += (
             f"\nWith {words} Mitsuba is the faster one in {len(slower)} of {len(ratios[kind])} rows"
         )
-        text += f": {', '.join(slower)}.\n" if slower else ".\n"
+        text += f": {', '.join(slower)}." if slower else "."
+        others = geometric_mean(sorted(ratios[kind])[:-1])
+        text += f" Without the largest ratio the geometric mean is {digits(others)}.\n"
     return text
 
 
