@@ -404,13 +404,20 @@ fn tell(output: &Path, rendering: &Rendering, elapsed: Duration) {
     } else {
         ""
     };
-    let error = if rendering.error().is_finite() {
-        format!("{:.2} %", 100.0 * rendering.error())
-    } else {
-        "unknown".to_owned()
+    let percent = |error: f64| {
+        if error.is_finite() {
+            format!("{:.2} %", 100.0 * error)
+        } else {
+            "unknown".to_owned()
+        }
     };
+    let errors = rendering.errors();
+    let error = (0..rendering.components())
+        .map(|k| format!("S{k} {}", percent(errors[k])))
+        .collect::<Vec<_>>()
+        .join(", ");
     eprintln!(
-        "{}: {} spp{stopped}, error {error}, {:.2} Mpaths/s, {:.1} s",
+        "{}: {} spp{stopped}, errors {error}, {:.2} Mpaths/s, {:.1} s",
         output.display(),
         rendering.mean_samples().round(),
         rendering.counters.paths as f64 / rendering.wall.as_secs_f64().max(1e-9) / 1e6,
