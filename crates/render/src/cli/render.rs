@@ -275,7 +275,8 @@ fn load(args: &Args) -> Result<(Job, Vec<String>), Failure> {
     built.scene.check_wavelengths(mode.range()).map_err(wrong)?;
     let mut notices = document.notices();
     notices.extend(built.scene.doubts(mode.range()));
-    let bytes = film.bytes(mode.colours(), args.coherence.is_some());
+    let adaptive = args.adaptive || args.target_error.is_some();
+    let bytes = film.bytes(mode.colours(), args.coherence.is_some(), adaptive);
     if bytes > MOST_MEMORY {
         return Err(Failure::Usage(format!(
             "{}: a film of {} x {} pixels with {} colours takes {:.1} GiB, expected at most {:.0}; --size or --crop make it smaller",
@@ -312,7 +313,7 @@ fn load(args: &Args) -> Result<(Job, Vec<String>), Failure> {
             "--target-error: S{component} is not rendered with --unpolarized; expected S0 alone, or no --unpolarized"
         )));
     }
-    let block = if args.adaptive || args.target_error.is_some() {
+    let block = if adaptive {
         args.sampler.largest_block()
     } else {
         args.sampler.block(samples, args.time.is_some())
@@ -322,7 +323,7 @@ fn load(args: &Args) -> Result<(Job, Vec<String>), Failure> {
         plan,
         coherence: args.coherence.map(|separation| separation.0),
         samples,
-        adaptive: args.adaptive,
+        adaptive,
         block,
         seed: args.seed,
         ..Job::new(built, mode)

@@ -39,7 +39,7 @@ const STEPS: u64 = 8;
 const REACH: u32 = 2;
 
 /// A run of blocks of a pixel, see [`crate::film::Run`], and how far it shall go.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Goal {
     /// Samples before the run.
     pub(super) first: u64,
@@ -217,19 +217,19 @@ impl Spread {
     }
 
     /// Of each pixel, `[row][column]`.
-    fn of_pixels<T: Copy>(
+    fn of_pixels<T: Copy + Default>(
         &self,
         tiles: &[TileSums],
         value: impl Fn(&TileSums, u32, u32) -> T,
     ) -> Vec<T> {
-        let at = |x: u32, y: u32| y as usize * self.size[0] as usize + x as usize;
-        let mut list: Vec<(usize, T)> = tiles
-            .iter()
-            .flat_map(|tile| tile.pixels().map(move |(x, y)| (tile, x, y)))
-            .map(|(tile, x, y)| (at(x, y), value(tile, x, y)))
-            .collect();
-        list.sort_unstable_by_key(|(at, _)| *at);
-        list.into_iter().map(|(_, value)| value).collect()
+        let [width, height] = self.size.map(|n| n as usize);
+        let mut list = vec![T::default(); width * height];
+        for tile in tiles {
+            for (x, y) in tile.pixels() {
+                list[y as usize * width + x as usize] = value(tile, x, y);
+            }
+        }
+        list
     }
 
     /// Samples that each pixel should have, `total` on the mean, by the variances of a sample of those around it.

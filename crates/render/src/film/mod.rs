@@ -10,7 +10,7 @@ pub use sums::{PixelSums, Run, TileSums};
 use crate::colour::{FIRST_NM, LAST_NM, grey_weights, rgb_weights};
 use crate::filter::Filter;
 use crate::path::witness::CoherenceSums;
-use sums::{Products, Sums};
+use sums::{Past, Products, Sums};
 
 /// Which wavelengths an image shows, and how many colours it has.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,12 +80,14 @@ pub struct FilmGeometry {
 const TILE: u32 = 16;
 
 impl FilmGeometry {
-    /// Memory that the sums take, bytes; with or without those of coherence.
-    pub fn bytes(&self, colours: usize, coherence: bool) -> u64 {
-        let pixels = u64::from(self.crop_size[0]) * u64::from(self.crop_size[1]);
+    /// Memory that the sums take, bytes; with or without those of coherence, and of pixels with different numbers of
+    /// samples.
+    pub fn bytes(&self, colours: usize, coherence: bool, adaptive: bool) -> u64 {
         let products = usize::from(self.products) * size_of::<Products>();
-        let stokes = ((size_of::<Sums>() + products) * colours + size_of::<u64>()) as u64;
-        pixels * (stokes + u64::from(coherence) * size_of::<CoherenceSums>() as u64)
+        let past = usize::from(adaptive) * size_of::<Past>();
+        let stokes = (size_of::<Sums>() + products + past) * colours;
+        let coherence = usize::from(coherence) * size_of::<CoherenceSums>();
+        self.pixels() * (stokes + coherence + size_of::<Run>()) as u64
     }
 
     /// Pixels of the crop window.

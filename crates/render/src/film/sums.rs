@@ -58,7 +58,7 @@ impl Run {
 
 /// What the runs before the last have left, of one pixel and colour.
 #[derive(Clone, Copy, Debug, Default)]
-struct Past {
+pub(super) struct Past {
     sums: [f64; 4],
     /// Of these sums.
     variances: [f64; 4],
