@@ -14,6 +14,7 @@ pub mod filter;
 pub mod geometry;
 pub mod image;
 pub mod ior;
+pub mod lanes;
 pub mod light;
 pub mod lights;
 pub mod maps;

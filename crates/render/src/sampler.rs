@@ -10,6 +10,7 @@ mod net;
 
 use std::f32::consts::{FRAC_PI_4, TAU};
 
+use crate::lanes::{Bits, Real};
 pub use net::LARGEST_BLOCK;
 
 /// A generator of sample points, by the name that `--sampler` takes.
@@ -58,12 +59,19 @@ impl Generator {
 }
 
 /// The random numbers of one sample of one pixel.
+pub type SampleStream = Stream<f32>;
+
+/// The random numbers of samples side by side.
 #[derive(Clone, Copy, Debug)]
-pub struct SampleStream {
-    /// Of the sample.
-    key: u64,
-    /// Of its block, and the place in it; `None`: it stands alone.
-    block: Option<(u64, u8)>,
+pub struct Stream<R: Real> {
+    /// Of each sample.
+    key: [R::B; 2],
+    /// Of its block.
+    block: [R::B; 2],
+    /// Its place in the block.
+    place: R::B,
+    /// Whether there are blocks: otherwise samples stand alone.
+    stratified: bool,
 }
 
 /// Mixes 64 bits so that each of them depends on all.
@@ -80,40 +88,88 @@ const fn mix(mut z: u64) -> u64 {
 /// Odd integer closest to 2⁶⁴/φ: successive multiples fill the range evenly.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
+/// Three words of which each depends on all three that are given; the upper bits most.
+///
+/// Source: pcg3d of Jarzynski, Olano, Hash Functions for GPU Rendering, JCGT 9(3), 2020.
+#[inline(always)]
+fn scatter<B: Bits>(words: [B; 3]) -> [B; 3] {
+    let [mut x, mut y, mut z] =
+        words.map(|word| word * B::splat(1_664_525) + B::splat(1_013_904_223));
+    x = x + y * z;
+    y = y + z * x;
+    z = z + x * y;
+    [x, y, z] = [x ^ x.shr::<16>(), y ^ y.shr::<16>(), z ^ z.shr::<16>()];
+    x = x + y * z;
+    y = y + z * x;
+    z = z + x * y;
+    [x, y, z]
+}
+
 /// Uniform in [0, 1): the upper 24 of 32 bits, exactly representable.
-#[inline]
-fn unit(bits: u32) -> f32 {
-    (bits >> 8) as f32 * (1.0 / 16_777_216.0)
+#[inline(always)]
+fn unit<R: Real>(bits: R::B) -> R {
+    R::of_int(bits.shr::<8>()) * R::splat(1.0 / 16_777_216.0)
 }
 
 /// The random numbers of one pixel.
 #[derive(Clone, Copy, Debug)]
-pub struct PixelStream(u64);
+pub struct PixelStream([u32; 2]);
+
+/// What tells the number of a block from that of a sample.
+const BLOCKS: u32 = 0x5bd1_e995;
 
 impl PixelStream {
     /// Of the pixel with running number `pixel`.
     #[inline]
     pub fn new(seed: u64, pixel: u64) -> Self {
-        Self(mix(mix(seed.wrapping_add(GOLDEN)) ^ pixel).wrapping_add(GOLDEN))
+        let key = mix(mix(seed.wrapping_add(GOLDEN)) ^ pixel);
+        Self([key as u32, (key >> 32) as u32])
     }
 
-    /// Of its sample number `sample`, alone.
-    #[inline]
-    pub fn alone(self, sample: u64) -> SampleStream {
-        SampleStream {
-            key: mix(self.0 ^ sample),
-            block: None,
+    /// Of its samples from number `first` on, one a lane, each alone.
+    #[inline(always)]
+    pub fn alone<R: Real>(self, first: u64) -> Stream<R> {
+        let key = self.keys::<R>(first, |lane| lane as u32, 0);
+        Stream {
+            key,
+            block: key,
+            place: R::B::splat(0),
+            stratified: false,
         }
     }
 
-    /// Of its sample number `sample`, which is number `place` of its block: the samples of one are stratified together.
-    #[inline]
-    pub fn in_block(self, sample: u64, place: u8) -> SampleStream {
-        SampleStream {
-            key: mix(self.0 ^ sample),
-            // named by its first sample: the bits of a sample's number and of a block's never agree
-            block: Some((mix(self.0 ^ !(sample - u64::from(place))), place)),
+    /// Of its samples from number `first` on, one a lane; `first` is number `place` of its block of `last + 1` samples, a
+    /// power of two. The samples of a block are stratified together.
+    #[inline(always)]
+    pub fn in_blocks<R: Real>(self, first: u64, place: u32, last: u32) -> Stream<R> {
+        let places = R::B::from_fn(|lane| (place + lane as u32) & last);
+        // a block is named by its first sample
+        let start = |lane: usize| (lane as u32).wrapping_sub((place + lane as u32) & last);
+        Stream {
+            key: self.keys::<R>(first, |lane| lane as u32, 0),
+            block: self.keys::<R>(first, start, BLOCKS),
+            place: places,
+            stratified: true,
         }
+    }
+
+    /// Keys of the samples `first + offset(lane)`.
+    #[inline(always)]
+    fn keys<R: Real>(
+        self,
+        first: u64,
+        offset: impl Fn(usize) -> u32,
+        kind: u32,
+    ) -> [R::B; 2] {
+        let [a, b] = self.0;
+        let number =
+            |lane: usize| first.wrapping_add_signed(i64::from(offset(lane).cast_signed()));
+        let [x, y, _] = scatter([
+            R::B::from_fn(|lane| number(lane) as u32),
+            R::B::from_fn(|lane| a ^ (number(lane) >> 32) as u32),
+            R::B::splat(b ^ kind),
+        ]);
+        [x, y]
     }
 }
 
@@ -124,22 +180,28 @@ impl SampleStream {
         PixelStream::new(seed, pixel).alone(sample)
     }
 
-    /// Two uniform numbers in [0, 1) at an even dimension and the next.
+    /// The same two numbers as an array.
     #[inline]
     pub fn pair(self, dimension: u32) -> [f32; 2] {
-        let turn = u64::from(dimension / 2 + 1).wrapping_mul(GOLDEN);
-        let bits = mix(self.key.wrapping_add(turn));
-        let random = [bits as u32, (bits >> 32) as u32];
-        let Some((block, place)) = self.block else {
-            return random.map(unit);
-        };
-        let seeds = mix(block.wrapping_add(turn));
-        // of each the first and the third byte count
-        let seeds = [seeds as u32, (seeds >> 32) as u32, (seeds >> 8) as u32];
-        let [x, y] = net::point(place, seeds);
+        self.pairs(std::num::Wrapping(dimension))
+    }
+}
+
+impl<R: Real> Stream<R> {
+    /// Two uniform numbers a lane, in [0, 1), at an even dimension and the next.
+    #[inline(always)]
+    pub fn pairs(self, dimension: R::B) -> [R; 2] {
+        let [a, b] = self.key;
+        let [x, y, _] = scatter([a, b, dimension]);
+        if !self.stratified {
+            return [unit::<R>(x), unit::<R>(y)];
+        }
+        let [a, b] = self.block;
+        let seeds = scatter([a, b, dimension]).map(|seed| seed.shr::<8>());
+        let [u, v] = net::point(self.place, seeds);
         [
-            unit(u32::from(x) << 24 | random[0] >> 8),
-            unit(u32::from(y) << 24 | random[1] >> 8),
+            unit::<R>(u.shl::<24>() | x.shr::<8>()),
+            unit::<R>(v.shl::<24>() | y.shr::<8>()),
         ]
     }
 }
@@ -237,9 +299,9 @@ mod tests {
     fn numbers_of_a_block_are_uniform_and_its_dimensions_uncorrelated() {
         let n = 160_000u64;
         let at = |i: u64, d: u32| {
-            PixelStream::new(4, i / 64)
-                .in_block(i % 64, (i % 64) as u8)
-                .pair(d)
+            let stream: SampleStream =
+                PixelStream::new(4, i / 64).in_blocks(i % 64, (i % 64) as u32, 63);
+            stream.pair(d)
         };
         for d in [0, 2, 4] {
             for axis in 0..2 {
@@ -276,10 +338,10 @@ mod tests {
                 .map(|pixel| {
                     let value = |i| {
                         let stream = PixelStream::new(5, pixel);
-                        let stream = if size == 1 {
+                        let stream: SampleStream = if size == 1 {
                             stream.alone(i)
                         } else {
-                            stream.in_block(i, (i % size) as u8)
+                            stream.in_blocks(i, (i % size) as u32, (size - 1) as u32)
                         };
                         let [x, y] = stream.pair(8);
                         f64::from(x) * f64::from(y)

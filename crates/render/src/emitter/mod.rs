@@ -1,5 +1,6 @@
 //! Light sources: one file a plugin, with its manual page on top; here the enum and what all of them answer.
 
+pub mod abreast;
 pub mod area;
 pub mod constant;
 pub mod directional;

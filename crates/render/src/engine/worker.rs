@@ -6,11 +6,15 @@ use crate::colour::{rgb_weights, sample_wavelength};
 use crate::film::{SampleColours, SampleSums, SpectralMode, TileSums};
 use crate::filter::FilterSampler;
 use crate::geometry::bvh::Stack;
+use crate::lanes::{Bits, MOST, Mask, Real, Task, each, run};
+use crate::light::abreast::Abreast;
 use crate::light::{Intensity, Light, Polarized};
+use crate::path::abreast::{self, Beginnings};
 use crate::path::witness::{CoherenceSums, Listener, View};
 use crate::path::{CameraSample, Counters, Start, trace};
 use crate::plan::Wavelengths;
-use crate::sampler::{PixelStream, SampleStream};
+use crate::sampler::{PixelStream, SampleStream, Stream};
+use crate::sensor::Camera;
 
 /// What a pass over a tile, or over all of them, has taken.
 #[derive(Clone, Copy, Debug, Default)]
@@ -45,16 +49,16 @@ pub(super) fn tile_pass(
 ) -> Taken {
     match (job.plan.stokes, job.plan.wavelengths) {
         (false, Wavelengths::Together) => {
-            Worker::<Intensity<4>>::new(job, filter).run(tile, goals, most, stack)
+            run(Worker::<Intensity<4>>::new(job, filter).pass(tile, goals, most, stack))
         }
         (true, Wavelengths::Together) => {
-            Worker::<Polarized<4>>::new(job, filter).run(tile, goals, most, stack)
+            run(Worker::<Polarized<4>>::new(job, filter).pass(tile, goals, most, stack))
         }
         (false, Wavelengths::One | Wavelengths::Apart) => {
-            Worker::<Intensity<1>>::new(job, filter).run(tile, goals, most, stack)
+            run(Worker::<Intensity<1>>::new(job, filter).pass(tile, goals, most, stack))
         }
         (true, Wavelengths::One | Wavelengths::Apart) => {
-            Worker::<Polarized<1>>::new(job, filter).run(tile, goals, most, stack)
+            run(Worker::<Polarized<1>>::new(job, filter).pass(tile, goals, most, stack))
         }
     }
 }
@@ -85,15 +89,34 @@ impl Pixel {
 /// Wavelengths of a camera sample in colour, evenly apart: as many as a path carries, or a path each.
 const PER_SAMPLE: usize = 4;
 
+/// A pass of a worker over a tile.
+struct Pass<'a, 't, L: Abreast> {
+    worker: Worker<'a, L>,
+    tile: &'t mut TileSums,
+    goals: &'t Goals,
+    most: u64,
+    stack: &'t mut Stack,
+}
+
+impl<L: Abreast> Task for Pass<'_, '_, L> {
+    type Output = Taken;
+
+    #[inline(always)]
+    fn run<R: Real>(self) -> Taken {
+        self.worker
+            .run::<R>(self.tile, self.goals, self.most, self.stack)
+    }
+}
+
 /// One thread at work on one tile.
-struct Worker<'a, L: Light> {
+struct Worker<'a, L: Abreast> {
     job: &'a Job,
     filter: &'a FilterSampler,
     taken: Taken,
     light: std::marker::PhantomData<L>,
 }
 
-impl<'a, L: Light> Worker<'a, L> {
+impl<'a, L: Abreast> Worker<'a, L> {
     fn new(job: &'a Job, filter: &'a FilterSampler) -> Self {
         Self {
             job,
@@ -103,8 +126,43 @@ impl<'a, L: Light> Worker<'a, L> {
         }
     }
 
-    fn run(mut self, tile: &mut TileSums, goals: &Goals, most: u64, stack: &mut Stack) -> Taken {
+    fn pass<'t>(
+        self,
+        tile: &'t mut TileSums,
+        goals: &'t Goals,
+        most: u64,
+        stack: &'t mut Stack,
+    ) -> Pass<'a, 't, L> {
+        Pass {
+            worker: self,
+            tile,
+            goals,
+            most,
+            stack,
+        }
+    }
+
+    /// Whether paths go side by side: matter that asks for the coherence of light, and what listens for it, follows them
+    /// one by one.
+    fn goes_abreast(&self) -> bool {
+        let job = self.job;
+        !job.scene.traits().coherent
+            && job.coherence.is_none()
+            && !job.plan.dark
+            && matches!(job.camera, Camera::Perspective(_))
+    }
+
+    #[inline(always)]
+    fn run<R: Real>(
+        mut self,
+        tile: &mut TileSums,
+        goals: &Goals,
+        most: u64,
+        stack: &mut Stack,
+    ) -> Taken {
+        let abreast = self.goes_abreast();
         let mut colours = SampleColours::new(self.job.mode.colours());
+        let mut side_by_side = vec![colours.clone(); R::LANES];
         let mut open = SampleSums::new(self.job.mode.colours());
         for (x, y) in tile.pixels() {
             let (taken, goal) = (tile.taken(x, y), goals.of(x, y));
@@ -119,11 +177,33 @@ impl<'a, L: Light> Worker<'a, L> {
             let pixel = Pixel::new(self.job, x, y);
             // a power of two
             let last = goal.block - 1;
+            if abreast {
+                for first in (taken..end).step_by(R::LANES) {
+                    let count = (end - first).min(R::LANES as u64) as usize;
+                    let place = (first - goal.first) & last;
+                    let stream = match last {
+                        0 => pixel.stream.alone(first),
+                        _ => pixel.stream.in_blocks(first, place as u32, last as u32),
+                    };
+                    let lanes = R::M::from_bits((1 << count) - 1);
+                    self.samples::<R>(&pixel, stream, lanes, &mut side_by_side, stack);
+                    for (colours, sample) in side_by_side.iter().take(count).zip(first..) {
+                        if !open.add(colours) {
+                            self.taken.rejected += 1;
+                        }
+                        if (sample - goal.first) & last == last {
+                            tile.close(x, y, &mut open);
+                        }
+                    }
+                }
+                tile.keep(x, y, &open, end);
+                continue;
+            }
             for sample in taken..end {
                 let place = (sample - goal.first) & last;
                 let stream = |of: PixelStream| match last {
                     0 => of.alone(sample),
-                    _ => of.in_block(sample, place as u8),
+                    _ => of.in_blocks(sample, place as u32, last as u32),
                 };
                 colours.clear();
                 let coherence = self.sample(&pixel, &stream, &mut colours, stack);
@@ -140,6 +220,111 @@ impl<'a, L: Light> Worker<'a, L> {
             tile.keep(x, y, &open, end);
         }
         self.taken
+    }
+
+    /// Camera samples of a pixel side by side.
+    #[inline(always)]
+    fn samples<R: Real>(
+        &mut self,
+        pixel: &Pixel,
+        stream: Stream<R>,
+        lanes: R::M,
+        colours: &mut [SampleColours],
+        stack: &mut Stack,
+    ) {
+        let job = self.job;
+        let Camera::Perspective(camera) = &job.camera else {
+            return;
+        };
+        let film = &job.film;
+        let [column, row] = pixel.place;
+        let [u, v] = stream.pairs(R::B::splat(0));
+        let end = [0, 1].map(|axis| film.crop_offset[axis] + film.crop_size[axis]);
+        let x = self.filter.positions(column, u, film.crop_offset[0], end[0]);
+        let y = self.filter.positions(row, v, film.crop_offset[1], end[1]);
+        let (rays, axes) = camera.rays(x, y);
+        for colours in colours.iter_mut() {
+            colours.clear();
+        }
+        let (one, mode) = (job.plan.wavelengths == Wavelengths::One, &job.mode);
+        // what is drawn within the bands, or over all colours
+        let place = match mode {
+            SpectralMode::Bands { .. } | SpectralMode::Rgb if !one => {
+                stream.pairs(R::B::splat(2))[0]
+            }
+            _ => R::zero(),
+        };
+        let mut drawn = [[(0.0, 0.0); PER_SAMPLE]; MOST];
+        let paths = match mode {
+            SpectralMode::Bands { count, .. } if !one => count.div_ceil(L::LANES),
+            SpectralMode::Rgb if !one => {
+                each(lanes.bits(), |lane| {
+                    let u = place.lane(lane);
+                    drawn[lane] = std::array::from_fn(|k| {
+                        sample_wavelength((u + k as f32 / PER_SAMPLE as f32).fract())
+                    });
+                });
+                PER_SAMPLE / L::LANES
+            }
+            _ => 1,
+        };
+        for path in 0..paths {
+            let first = path * L::LANES;
+            let wavelengths = L::values(|w| match mode {
+                SpectralMode::Single(wavelength) => R::splat(*wavelength as f32),
+                SpectralMode::Bands { from, .. } if one => R::splat(*from as f32),
+                SpectralMode::Rgb if one => R::splat(mode.range()[0] as f32),
+                SpectralMode::Bands { from, to, count } => {
+                    let width = (to - from) / *count as f64;
+                    let band = (first + w).min(count - 1) as f64;
+                    R::from_fn(|lane| (from + width * (band + f64::from(place.lane(lane)))) as f32)
+                }
+                SpectralMode::Rgb => R::from_fn(|lane| drawn[lane][first + w].0),
+            });
+            let begin = Beginnings {
+                rays,
+                axes,
+                wavelengths,
+                stream,
+                lanes,
+            };
+            let seen = abreast::trace::<R, L>(
+                &job.scene,
+                &job.paths,
+                &begin,
+                stack,
+                &mut self.taken.counters,
+            );
+            each(lanes.bits(), |lane| {
+                let seen = L::lane(&seen, lane);
+                let seen = seen.as_ref();
+                let colours = &mut colours[lane];
+                match mode {
+                    SpectralMode::Single(_) => colours.add(0, seen[0]),
+                    SpectralMode::Bands { count, .. } if one => {
+                        (0..*count).for_each(|band| colours.add(band, seen[0]));
+                    }
+                    SpectralMode::Rgb if one => colours.add_grey(seen[0]),
+                    SpectralMode::Bands { count, .. } => {
+                        for (w, stokes) in seen.iter().enumerate().take(count - first) {
+                            colours.add(first + w, *stokes);
+                        }
+                    }
+                    SpectralMode::Rgb => {
+                        for (stokes, (wavelength, density)) in
+                            seen.iter().zip(&drawn[lane][first..])
+                        {
+                            if job.plan.grey {
+                                colours.add_grey(*stokes / PER_SAMPLE as f32);
+                            } else {
+                                let weight = (density * PER_SAMPLE as f32).recip();
+                                colours.add_spectral(*stokes, *wavelength, weight);
+                            }
+                        }
+                    }
+                }
+            });
+        }
     }
 
     /// One camera sample of a pixel; also its coherence, if that is asked for.

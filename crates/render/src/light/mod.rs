@@ -14,6 +14,7 @@
 //!
 //! Single precision: each product rounds at 6e-8 relative, far below Monte Carlo noise at any affordable sample count.
 
+pub mod abreast;
 mod collect;
 mod frames;
 mod intensity;

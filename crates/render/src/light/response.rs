@@ -4,6 +4,7 @@ use glam::{Mat4, Vec3A, Vec4, vec4};
 
 use super::Element;
 use super::frames::{double_angle, turn_columns, turn_vector};
+use crate::geometry::frame::Frame;
 
 /// A vertex's Mueller matrix, kept as small as it is.
 #[derive(Clone, Copy, Debug)]
@@ -109,6 +110,25 @@ impl<const N: usize> MuellerResponse<N> {
             axis_out,
             axis_in,
             matrices: std::array::from_fn(|lane| a[lane] + b[lane]),
+        }
+    }
+
+    /// Axes on either side and the whole matrices; `o` and `i` are the directions toward the sensor and the light.
+    #[inline]
+    pub(super) fn whole(&self, o: Vec3A, i: Vec3A) -> ([Vec3A; 2], [Mat4; N]) {
+        match self {
+            Self::Depolarizing(m00) => (
+                [o, i].map(|k| Frame::around(k).s),
+                m00.map(|a| {
+                    Mat4::from_cols(vec4(a, 0., 0., 0.), Vec4::ZERO, Vec4::ZERO, Vec4::ZERO)
+                }),
+            ),
+            Self::Diagonal { axis, elements } => ([*axis; 2], elements.map(Element::matrix)),
+            Self::General {
+                axis_out,
+                axis_in,
+                matrices,
+            } => ([*axis_out, *axis_in], *matrices),
         }
     }
 

@@ -104,7 +104,7 @@ fn cone_around(a: (Vec3A, f32), b: (Vec3A, f32)) -> (Vec3A, f32) {
 }
 
 /// Least falloff where there may be light: spots fall more slowly than the cosine.
-const LEAST: f32 = 0.02;
+pub(super) const LEAST: f32 = 0.02;
 
 /// Rounding of the cosines that say where there is none.
 const SLACK: f32 = 1e-4;
@@ -117,14 +117,14 @@ const NEAREST_OF_MANY: f32 = 1.0 / 6.0;
 /// A bundle, ready to be looked at.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Seen {
-    centre: Vec3A,
-    axis: Vec3A,
-    squared_radius: f32,
-    least_square: f32,
-    cos_spread: f32,
-    sin_spread: f32,
-    cos_edge: f32,
-    intensity: f32,
+    pub(super) centre: Vec3A,
+    pub(super) axis: Vec3A,
+    pub(super) squared_radius: f32,
+    pub(super) least_square: f32,
+    pub(super) cos_spread: f32,
+    pub(super) sin_spread: f32,
+    pub(super) cos_edge: f32,
+    pub(super) intensity: f32,
 }
 
 impl Seen {

@@ -10,6 +10,7 @@
 //! Source: the blind part as in Hesterberg, Weighted Average Importance Sampling and Defensive Mixture Distributions,
 //! Technometrics 37(2), 1995.
 
+pub mod abreast;
 mod bundle;
 #[cfg(test)]
 mod choice_tests;

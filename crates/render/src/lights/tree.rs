@@ -94,6 +94,24 @@ impl Tree {
         self.grow(right, unit, first + 1, (trail | 1 << depth, depth + 1));
     }
 
+    /// All of it as one; there must be some.
+    #[inline(always)]
+    pub(super) fn whole(&self) -> &Seen {
+        &self.nodes[0].seen
+    }
+
+    /// What is seen of each source, in the order of [`Tree::numbers`].
+    #[inline(always)]
+    pub(super) fn sources(&self) -> &[Seen] {
+        &self.sources
+    }
+
+    /// The numbers of the sources.
+    #[inline(always)]
+    pub(super) fn numbers(&self) -> &[u32] {
+        &self.numbers
+    }
+
     pub(super) fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }

@@ -32,6 +32,12 @@ pub struct Metal {
 }
 
 impl Metal {
+    /// Index η − ik, and the factor on the power.
+    #[inline(always)]
+    pub(super) fn spectra(&self) -> [&Spectrum; 3] {
+        [&self.eta, &self.k, &self.reflectance]
+    }
+
     /// Whether it reflects all wavelengths of a range, nm, in the same way.
     pub(super) fn is_grey(&self, range: [f64; 2]) -> bool {
         [&self.eta, &self.k, &self.reflectance]
@@ -89,6 +95,12 @@ pub struct Conductor {
 }
 
 impl Conductor {
+    /// What it is made of.
+    #[inline(always)]
+    pub(super) fn metal(&self) -> &Metal {
+        &self.metal
+    }
+
     /// Reads its parameters.
     pub fn read(object: &Object) -> Result<Self, SceneError> {
         Ok(Self {

@@ -85,6 +85,18 @@ impl Dielectric {
 }
 
 impl Dielectric {
+    /// Indices on the side of the normal and on the other.
+    #[inline(always)]
+    pub(super) fn indices(&self) -> [f64; 2] {
+        [self.outside.n_incident(), self.outside.n_transmitted()]
+    }
+
+    /// Factors on what is reflected and on what is transmitted.
+    #[inline(always)]
+    pub(super) fn factors(&self) -> [&Spectrum; 2] {
+        [&self.reflectance, &self.transmittance]
+    }
+
     /// Where refracted light comes from, and the index there over that on the side of `o`.
     #[inline]
     fn refracted(&self, o: Vec3A) -> Option<(Vec3A, f32)> {

@@ -44,6 +44,12 @@ impl Diffuse {
         }
     }
 
+    /// Its reflectance.
+    #[inline(always)]
+    pub(super) fn reflectance(&self) -> &Spectrum {
+        &self.reflectance
+    }
+
     /// Reads its parameters.
     pub fn read(object: &Object) -> Result<Self, SceneError> {
         Ok(Self {

@@ -85,6 +85,12 @@ impl Microfacets {
         })
     }
 
+    /// Kind, widths along U and V, and whether only normals are drawn that the viewer sees.
+    #[inline(always)]
+    pub(super) fn parameters(&self) -> (Kind, [f32; 2], bool) {
+        (self.kind, [self.alpha_u, self.alpha_v], self.visible)
+    }
+
     /// Whether it is the same along U and V.
     pub fn is_isotropic(&self) -> bool {
         self.alpha_u == self.alpha_v

@@ -3,6 +3,7 @@
 //! Directions are local (z along the shading normal, x along axis U), unit, and point away from the surface:
 //! `o` toward the camera, `i` toward the light. Light propagates along `−i` before and `o` after the surface.
 
+pub mod abreast;
 pub mod birefringent;
 pub mod circular;
 pub mod coated;

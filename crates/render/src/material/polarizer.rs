@@ -47,6 +47,37 @@ impl Polarizer {
     }
 }
 
+impl Polarizer {
+    /// What it does, but for its transmittance.
+    #[inline(always)]
+    pub(super) fn element(&self) -> Element {
+        if self.polarizing {
+            Element::from(element::linear_polarizer())
+        } else {
+            Element {
+                mean: 0.5,
+                difference: 0.0,
+                cosine: 0.5,
+                sine: 0.0,
+            }
+        }
+    }
+
+    /// The axis in the plate along which the field is absorbed; `None` if it does not polarize.
+    #[inline(always)]
+    pub(super) fn absorbing_axis(&self) -> Option<Vec3A> {
+        let (sin, cos) = self.theta.sin_cos();
+        self.polarizing
+            .then(|| Vec3A::new(sin as f32, cos as f32, 0.0))
+    }
+
+    /// What it lets through of the light that it does not absorb.
+    #[inline(always)]
+    pub(super) fn transmittance(&self) -> &Spectrum {
+        &self.transmittance
+    }
+}
+
 /// A local axis that the theorem crates give for a ray along `k`, back in single precision.
 #[inline]
 pub(super) fn axis_for(k: Vec3A, axis: impl Fn([f64; 3]) -> [f64; 3]) -> Vec3A {

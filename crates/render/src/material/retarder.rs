@@ -47,6 +47,20 @@ impl Retarder {
     }
 }
 
+impl Retarder {
+    /// Angle of the fast axis, radians.
+    #[inline(always)]
+    pub(super) fn theta(&self) -> f64 {
+        self.theta
+    }
+
+    /// Retardance in degrees, and transmittance.
+    #[inline(always)]
+    pub(super) fn spectra(&self) -> [&Spectrum; 2] {
+        [&self.delta, &self.transmittance]
+    }
+}
+
 impl Matter for Retarder {
     #[inline]
     fn sample(&self, at: &Vertex, _: &[f32], _: [f32; 3]) -> Option<Departure> {

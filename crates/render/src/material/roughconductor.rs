@@ -37,6 +37,18 @@ pub struct RoughConductor {
 }
 
 impl RoughConductor {
+    /// What it is made of.
+    #[inline(always)]
+    pub(super) fn metal(&self) -> &Metal {
+        &self.metal
+    }
+
+    /// Its facets.
+    #[inline(always)]
+    pub(super) fn facets(&self) -> &Microfacets {
+        &self.facets
+    }
+
     /// Reads its parameters.
     pub fn read(object: &Object) -> Result<Self, SceneError> {
         Ok(Self {

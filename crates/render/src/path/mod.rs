@@ -12,6 +12,9 @@
 //! met, `way.rs` follows specular matter, `witness.rs` asks where the light came from, `plane.rs` begins paths on a bare
 //! sensor plane.
 
+pub mod abreast;
+#[cfg(test)]
+mod abreast_tests;
 mod connect;
 mod hit;
 mod lobe;

@@ -8,65 +8,57 @@
 //! Practical Hash-based Owen Scrambling, JCGT 9(4), 2020; the permutation: Laine and Karras, Stratified Sampling for
 //! Stochastic Transparency, EGSR 2011, with Vegdahl's constants.
 
+use crate::lanes::Bits;
+
 /// Most points that are stratified together.
 pub const LARGEST_BLOCK: u64 = 256;
 
 /// Eight digits, the other way round.
-const REVERSED: [u8; 256] = {
-    let mut table = [0; 256];
-    let mut i = 0;
-    while i < 256 {
-        table[i] = (i as u8).reverse_bits();
-        i += 1;
-    }
-    table
-};
-
-/// The second Sobol' dimension, digits the other way round; the first is the index itself, so read.
-const SECOND: [u8; 256] = {
-    let mut table = [0; 256];
-    let mut i = 0;
-    while i < 256 {
-        // columns of Pascal's triangle modulo 2, from the binary digits of the index
-        let (mut column, mut digits, mut sum) = (0x80u8, i as u8, 0u8);
-        while digits != 0 {
-            if digits & 1 != 0 {
-                sum ^= column;
-            }
-            column ^= column >> 1;
-            digits >>= 1;
-        }
-        table[i] = sum.reverse_bits();
-        i += 1;
-    }
-    table
-};
-
-/// A permutation of eight digits in which each digit depends on the lower ones alone; `seed` chooses it.
-#[inline]
-fn permuted(x: u8, seed: u32) -> u8 {
-    let mut x = u32::from(x);
-    x ^= x.wrapping_mul(0x3d20_adea);
-    x = x.wrapping_add(seed);
-    x = x.wrapping_mul((seed >> 16) | 1);
-    x ^= x.wrapping_mul(0x0552_6c56);
-    x ^= x.wrapping_mul(0x53a2_2864);
-    x as u8
+#[inline(always)]
+fn reversed<B: Bits>(x: B) -> B {
+    let [four, two, one] = [0x0f, 0x33, 0x55].map(B::splat);
+    let x = (x & four).shl::<4>() | (x.shr::<4>() & four);
+    let x = (x & two).shl::<2>() | (x.shr::<2>() & two);
+    (x & one).shl::<1>() | (x.shr::<1>() & one)
 }
 
-/// The first eight digits of both coordinates of point `index` of a block; `seeds` choose order and scrambling.
-#[inline]
-pub(super) fn point(index: u8, seeds: [u32; 3]) -> [u8; 2] {
-    let shuffled = REVERSED[usize::from(permuted(REVERSED[usize::from(index)], seeds[0]))];
-    let scrambled = |digits: u8, seed: u32| REVERSED[usize::from(permuted(digits, seed))];
+/// The second Sobol' dimension, digits the other way round; the first is the index itself, so read.
+///
+/// Digit j is the sum of those digits k of the index for which Pascal's triangle has an odd number in row k, column j: those
+/// whose binary number contains that of j.
+#[inline(always)]
+fn second<B: Bits>(index: B) -> B {
+    let x = index ^ (index.shr::<1>() & B::splat(0x55));
+    let x = x ^ (x.shr::<2>() & B::splat(0x33));
+    x ^ (x.shr::<4>() & B::splat(0x0f))
+}
+
+/// A permutation of eight digits in which each digit depends on the lower ones alone; `seed` chooses it.
+#[inline(always)]
+fn permuted<B: Bits>(x: B, seed: B) -> B {
+    let x = x ^ x * B::splat(0x3d20_adea);
+    let x = x + seed;
+    let x = x * (seed.shr::<16>() | B::splat(1));
+    let x = x ^ x * B::splat(0x0552_6c56);
+    let x = x ^ x * B::splat(0x53a2_2864);
+    x & B::splat(0xff)
+}
+
+/// The first eight digits of both coordinates of point `index` of a block; `seeds` choose order and scrambling: of each
+/// the first and the third byte count.
+#[inline(always)]
+pub(super) fn point<B: Bits>(index: B, seeds: [B; 3]) -> [B; 2] {
+    let shuffled = reversed(permuted(reversed(index), seeds[0]));
     [
-        scrambled(shuffled, seeds[1]),
-        scrambled(SECOND[usize::from(shuffled)], seeds[2]),
+        reversed(permuted(shuffled, seeds[1])),
+        reversed(permuted(second(shuffled), seeds[2])),
     ]
 }
 
 #[cfg(test)]
 mod tests {
+    use std::num::Wrapping;
+
     use super::*;
 
     /// Some seeds that have nothing to do with each other.
@@ -74,11 +66,15 @@ mod tests {
         [1, 2, 3].map(|k| (n * 3 + k).wrapping_mul(0x9e37_79b9).rotate_left(7))
     }
 
+    fn digits(index: u32, seeds: [u32; 3]) -> [u8; 2] {
+        point(Wrapping(index), seeds.map(Wrapping)).map(|x| x.0 as u8)
+    }
+
     #[test]
     fn blocks_of_every_size_put_one_point_into_each_elementary_interval() {
         for m in 0..=8u32 {
             for n in 0..50 {
-                let points: Vec<_> = (0..1u32 << m).map(|i| point(i as u8, seeds(n))).collect();
+                let points: Vec<_> = (0..1u32 << m).map(|i| digits(i, seeds(n))).collect();
                 for across in 0..=m {
                     let mut cells: Vec<u32> = points
                         .iter()
@@ -104,7 +100,7 @@ mod tests {
             let mut counts = [[0u32; 16]; 2];
             let n = 160_000;
             for k in 0..n {
-                for (axis, digits) in point(index, seeds(k)).into_iter().enumerate() {
+                for (axis, digits) in digits(index, seeds(k)).into_iter().enumerate() {
                     counts[axis][usize::from(digits >> 4)] += 1;
                 }
             }

@@ -10,6 +10,7 @@
 //! a plugin then asks its [`Object`] for the parameters by name and type, and calls [`Object::finish`], which refuses
 //! what nobody has asked for.
 
+pub mod abreast;
 mod build;
 mod camera;
 mod defines;

@@ -61,6 +61,8 @@ pub struct Scene {
     material_traits: Vec<Traits>,
     /// Whether no ray can meet an emitter.
     unmet: bool,
+    /// Whether rays side by side are tested against one shape after the other.
+    pub(super) few: bool,
     pub(crate) lights: Lights,
 }
 
@@ -101,6 +103,7 @@ impl Scene {
             .used_materials()
             .into_iter()
             .fold(Traits::default(), |all, one| all.or(self.traits_of(one)));
+        self.few = triangles == 0 && self.shapes.len() <= super::abreast::FEW;
         self.unmet = !self.emitters.iter().any(Emitter::can_be_met);
         self.weigh_lights([FIRST_NM, LAST_NM]);
     }

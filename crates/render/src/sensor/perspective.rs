@@ -16,8 +16,10 @@
 use glam::{DVec3, Vec3A};
 
 use crate::geometry::ray::Ray;
+use crate::lanes::{Real, V3};
 use crate::path::witness::View;
 use crate::scene::{Object, SceneError, within_reach};
+use crate::shape::abreast::Rays;
 
 /// A pinhole camera.
 #[derive(Clone, Debug)]
@@ -131,6 +133,21 @@ impl Perspective {
             },
             axis,
         )
+    }
+
+    /// The same for film positions side by side.
+    #[inline(always)]
+    pub fn rays<R: Real>(&self, x: R, y: R) -> (Rays<R>, V3<R>) {
+        let right = x * R::splat(self.pixel[0]) - R::splat(self.half[0]);
+        let up = R::splat(self.half[1]) - y * R::splat(self.pixel[1]);
+        let above = V3::splat(self.up);
+        let toward = V3::splat(self.forward) + V3::splat(self.right) * right + above * up;
+        let rays = Rays {
+            origin: V3::splat(self.origin),
+            direction: toward.normalize(),
+            t_max: R::splat(f32::INFINITY),
+        };
+        (rays, toward.cross(above).normalize())
     }
 
     /// The view through the middle of a pixel of the film.

@@ -1,5 +1,6 @@
 //! Shapes: exact quadrics and triangle meshes, their surfaces, and points on them for light sampling.
 
+pub mod abreast;
 pub mod cube;
 pub mod cylinder;
 pub mod disk;

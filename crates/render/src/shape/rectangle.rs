@@ -17,22 +17,22 @@ use crate::geometry::ray::gamma;
 ///
 /// There the density by area, r³/(A h) at the height h, varies with the distance r alone: from 1/8 to 3.4 of what it is in
 /// the middle, and far less for who faces the lamp. Solid angles of farther lamps cost more than they are worth.
-const FAR: f32 = 4.0;
+pub(super) const FAR: f32 = 4.0;
 
 /// Height over the plane, in half diagonals, below which points are drawn by area: single precision does not know it.
-const LOW: f64 = 1e-5;
+pub(super) const LOW: f64 = 1e-5;
 
 /// A parallelogram in world space.
 #[derive(Clone, Debug)]
 pub struct Rectangle {
-    centre: Vec3A,
-    half_u: Vec3A,
-    half_v: Vec3A,
-    frame: Frame,
-    error: Vec3A,
+    pub(super) centre: Vec3A,
+    pub(super) half_u: Vec3A,
+    pub(super) half_v: Vec3A,
+    pub(super) frame: Frame,
+    pub(super) error: Vec3A,
     area: f32,
     /// Half of its sides if these are perpendicular within 1e-6; zero if not.
-    half: [f32; 2],
+    pub(super) half: [f32; 2],
 }
 
 impl Rectangle {

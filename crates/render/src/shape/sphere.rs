@@ -17,15 +17,15 @@ use crate::geometry::ray::{Ray, gamma};
 /// A sphere in world space.
 #[derive(Clone, Debug)]
 pub struct Sphere {
-    centre: Vec3A,
-    centre_f64: DVec3,
-    radius: f32,
-    pole: Vec3A,
+    pub(super) centre: Vec3A,
+    pub(super) centre_f64: DVec3,
+    pub(super) radius: f32,
+    pub(super) pole: Vec3A,
     /// +1: the front is outside.
-    side: f32,
+    pub(super) side: f32,
     /// −1 for a transform that mirrors: azimuth runs the other way round.
-    sense: f32,
-    error: Vec3A,
+    pub(super) sense: f32,
+    pub(super) error: Vec3A,
 }
 
 impl Sphere {

@@ -24,7 +24,7 @@ use std::f32::consts::TAU;
 use num_complex::Complex64;
 
 /// Least solid angle that is sampled.
-const LEAST: f32 = 1e-6;
+pub(super) const LEAST: f32 = 1e-6;
 
 /// A rectangle as seen from a point.
 #[derive(Clone, Copy, Debug)]

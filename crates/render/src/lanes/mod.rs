@@ -1,0 +1,220 @@
+//! Numbers side by side: one camera path a lane, all doing the same at the same time.
+//!
+//! What is written for any [`Real`] runs with one path at a time (`f32`, every processor) or with eight (AVX2, chosen at
+//! run time by [`run`]). Every operation rounds each lane as IEEE 754 has it and nothing is fused, so that both give the
+//! same bits. Lanes that do not take part go through the same arithmetic; masks keep their results out.
+//!
+//! Everything here is inlined into the task that [`run`] is given: only there are the instructions known.
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+mod functions;
+mod one;
+#[cfg(test)]
+mod tests;
+mod vector;
+
+use std::fmt::Debug;
+use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
+
+pub use functions::{acos, atan2, exp, ln, sin_cos_turns};
+pub use vector::{Axes, V3};
+
+/// Most lanes that any [`Real`] has.
+pub const MOST: usize = 8;
+
+/// Where something holds.
+pub trait Mask:
+    Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>
+{
+    /// In any lane.
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.bits() != 0
+    }
+    /// Lane 0 in the lowest bit.
+    fn bits(self) -> u32;
+    /// From such bits.
+    fn from_bits(bits: u32) -> Self;
+}
+
+/// Unsigned numbers of 32 bits; arithmetic wraps.
+pub trait Bits:
+    Copy
+    + Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + BitAnd<Output = Self>
+    + BitOr<Output = Self>
+    + BitXor<Output = Self>
+{
+    /// The same in all lanes.
+    fn splat(x: u32) -> Self;
+    /// Lane by lane.
+    fn from_fn(f: impl FnMut(usize) -> u32) -> Self;
+    /// Times 2ⁿ.
+    fn shl<const N: i32>(self) -> Self;
+    /// Over 2ⁿ.
+    fn shr<const N: i32>(self) -> Self;
+}
+
+/// Numbers in double precision, where single precision cancels.
+pub trait Double:
+    Copy
+    + Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// What they are rounded to.
+    type Single: Real<D = Self>;
+    /// The same in all lanes.
+    fn splat(x: f64) -> Self;
+    /// Without loss.
+    fn wide(x: Self::Single) -> Self;
+    /// Rounded.
+    fn narrow(self) -> Self::Single;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// The larger.
+    fn max(self, other: Self) -> Self;
+    /// The smaller.
+    fn min(self, other: Self) -> Self;
+    /// Where it is below zero.
+    fn is_negative(self) -> <Self::Single as Real>::M;
+}
+
+/// Numbers in single precision, one or several.
+pub trait Real:
+    Copy
+    + Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// How many.
+    const LANES: usize;
+    /// Where something holds.
+    type M: Mask;
+    /// Their bits.
+    type B: Bits;
+    /// In double precision.
+    type D: Double<Single = Self>;
+
+    /// The same in all lanes.
+    fn splat(x: f32) -> Self;
+    /// Lane by lane.
+    fn from_fn(f: impl FnMut(usize) -> f32) -> Self;
+    /// One lane.
+    fn lane(self, lane: usize) -> f32;
+    /// All lanes; of [`MOST`] only as many count as there are.
+    fn lanes(self) -> [f32; MOST];
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Absolute value.
+    fn abs(self) -> Self;
+    /// The smaller; `other` where either is not a number.
+    fn min(self, other: Self) -> Self;
+    /// The larger; `other` where either is not a number.
+    fn max(self, other: Self) -> Self;
+    /// The nearest integer, the even one of two.
+    fn round(self) -> Self;
+    /// Its value with the sign of another.
+    fn copysign(self, sign: Self) -> Self;
+    /// Where it is smaller.
+    fn lt(self, other: Self) -> Self::M;
+    /// Where it is not larger.
+    fn le(self, other: Self) -> Self::M;
+    /// Where it is equal.
+    fn eq(self, other: Self) -> Self::M;
+    /// `a` where the mask holds, elsewhere `b`.
+    fn select(mask: Self::M, a: Self, b: Self) -> Self;
+    /// Its bits.
+    fn bits(self) -> Self::B;
+    /// From bits.
+    fn of_bits(bits: Self::B) -> Self;
+    /// Of integers below 2³¹.
+    fn of_int(bits: Self::B) -> Self;
+    /// Toward zero, as integers.
+    fn to_int(self) -> Self::B;
+    /// Where two integers are equal.
+    fn same(a: Self::B, b: Self::B) -> Self::M;
+
+    /// Where it is larger.
+    #[inline(always)]
+    fn gt(self, other: Self) -> Self::M {
+        other.lt(self)
+    }
+    /// Where it is not smaller.
+    #[inline(always)]
+    fn ge(self, other: Self) -> Self::M {
+        other.le(self)
+    }
+    /// Zero.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::splat(0.0)
+    }
+    /// One.
+    #[inline(always)]
+    fn one() -> Self {
+        Self::splat(1.0)
+    }
+    /// One over it.
+    #[inline(always)]
+    fn recip(self) -> Self {
+        Self::one() / self
+    }
+    /// It where a mask holds, elsewhere zero.
+    #[inline(always)]
+    fn only(self, mask: Self::M) -> Self {
+        Self::select(mask, self, Self::zero())
+    }
+    /// From the first to the second.
+    #[inline(always)]
+    fn clamp(self, low: f32, high: f32) -> Self {
+        self.max(Self::splat(low)).min(Self::splat(high))
+    }
+    /// Everywhere.
+    #[inline(always)]
+    fn everywhere() -> Self::M {
+        Self::M::from_bits((1 << Self::LANES) - 1)
+    }
+    /// Nowhere.
+    #[inline(always)]
+    fn nowhere() -> Self::M {
+        Self::M::from_bits(0)
+    }
+}
+
+/// The lanes in which bits are set, one after the other.
+#[inline(always)]
+pub fn each(mut bits: u32, mut f: impl FnMut(usize)) {
+    while bits != 0 {
+        f(bits.trailing_zeros() as usize);
+        bits &= bits - 1;
+    }
+}
+
+/// Something to be done with numbers side by side.
+pub trait Task {
+    /// What comes of it.
+    type Output;
+    /// Does it. Must be `#[inline(always)]`, as everything in it that takes a [`Real`].
+    fn run<R: Real>(self) -> Self::Output;
+}
+
+/// Does a task with as many lanes as the processor has, or with one where the environment says
+/// `BREWSTER_SIMD=portable`.
+pub fn run<T: Task>(task: T) -> T::Output {
+    #[cfg(target_arch = "x86_64")]
+    if avx2::is_there() {
+        return avx2::run(task);
+    }
+    task.run::<f32>()
+}

@@ -1,0 +1,315 @@
+//! Matter for paths side by side: one kind of matter, a path a lane.
+//!
+//! The kinds that scenes are mostly made of answer all lanes at once; the others are asked lane by lane, as
+//! [`Matter`] answers one path.
+
+mod fresnel;
+mod plates;
+mod rough;
+mod smooth;
+
+use std::f32::consts::FRAC_1_PI;
+
+use glam::Vec3A;
+
+use super::diffuse::Diffuse;
+use super::{Departure, Material, Matter, Part, Vertex};
+use crate::coherence::Coherence;
+use crate::geometry::frame::Frame;
+use crate::lanes::{Axes, MOST, Mask, Real, V3, each, sin_cos_turns};
+use crate::light::abreast::{Abreast, Sights};
+use crate::spectrum::Spectrum;
+
+/// Points on matter, as camera paths meet it: [`Vertex`] a lane.
+#[derive(Clone, Copy, Debug)]
+pub struct Vertices<R> {
+    /// Toward the camera, local.
+    pub o: V3<R>,
+    /// Where they are, metres.
+    pub position: V3<R>,
+    /// Shading normal and axis U.
+    pub axes: Axes<R>,
+    /// What polarization the sensor sees, local; blind where matter does not choose by it.
+    pub sights: Sights<R>,
+}
+
+impl<R: Real> Vertices<R> {
+    /// One of them.
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> Vertex {
+        Vertex {
+            o: self.o.lane(lane),
+            position: self.position.lane(lane),
+            frame: Frame {
+                s: self.axes.s.lane(lane),
+                t: self.axes.t.lane(lane),
+                n: self.axes.n.lane(lane),
+            },
+            viewer_distance: f32::INFINITY,
+            sight: self.sights.lane(lane),
+        }
+    }
+}
+
+/// Directions toward the light that have been drawn, and what the matter makes of light from there.
+#[derive(Clone, Copy, Debug)]
+pub struct Departures<R: Real, A> {
+    /// Where there is one.
+    pub exist: R::M,
+    /// Toward the light, local.
+    pub direction: V3<R>,
+    /// Density per steradian, or the probability where they are discrete.
+    pub density: R,
+    /// Where emitters can be connected to instead.
+    pub continuous: R::M,
+    /// Where light goes straight through.
+    pub straight: R::M,
+    /// Index of refraction on the light's side over that on the camera's side.
+    pub eta: R,
+    /// The Mueller matrices; axes are local.
+    pub answers: A,
+}
+
+/// A spectrum at the wavelengths of the lanes.
+#[inline(always)]
+pub fn values<R: Real>(spectrum: &Spectrum, wavelengths: R) -> R {
+    let first = wavelengths.lane(0);
+    let same = wavelengths.eq(R::splat(first)).bits() == R::everywhere().bits();
+    if same || spectrum.is_constant() {
+        return R::splat(spectrum.value(first));
+    }
+    let all = wavelengths.lanes();
+    R::from_fn(|lane| spectrum.value(all[lane]))
+}
+
+/// The direction mirrored at a normal.
+#[inline(always)]
+fn mirrored<R: Real>(o: V3<R>, normal: V3<R>) -> V3<R> {
+    let twice = o.dot(normal);
+    normal * (twice + twice) - o
+}
+
+/// The axis perpendicular to the plane of incidence: see [`axis_s`](super::axis_s).
+#[inline(always)]
+fn axes_s<R: Real>(normal: V3<R>, i: V3<R>) -> V3<R> {
+    let across = normal.cross(i);
+    let squared = across.squared();
+    let clear = squared.gt(R::splat(1e-8));
+    let s = across * squared.sqrt().recip();
+    if (!clear & R::everywhere()).any() {
+        V3::select(clear, s, Axes::around(i).s)
+    } else {
+        s
+    }
+}
+
+/// Local z.
+#[inline(always)]
+fn upright<R: Real>() -> V3<R> {
+    V3::splat(Vec3A::Z)
+}
+
+impl Material {
+    /// Draws directions toward the light, from three uniform numbers each, and evaluates them; lanes outside `lanes` mean
+    /// nothing.
+    #[inline(always)]
+    pub fn depart<R: Real, L: Abreast>(
+        &self,
+        at: &Vertices<R>,
+        wavelengths: &L::Values<R>,
+        u: [R; 3],
+        lanes: R::M,
+    ) -> Departures<R, L::Answers<R>> {
+        match self {
+            Self::Diffuse(m) => m.depart::<R, L>(at, wavelengths, u),
+            Self::Conductor(m) => m.depart::<R, L>(at, wavelengths),
+            Self::Dielectric(m) => m.depart::<R, L>(at, wavelengths, u),
+            Self::RoughConductor(m) => m.depart::<R, L>(at, wavelengths, u, lanes),
+            Self::Polarizer(_) | Self::Retarder(_) | Self::Circular(_) | Self::Null(_) => {
+                Departures {
+                    exist: lanes,
+                    direction: -at.o,
+                    density: R::one(),
+                    continuous: R::nowhere(),
+                    straight: lanes,
+                    eta: R::one(),
+                    answers: self.pass::<R, L>(at, wavelengths, lanes),
+                }
+            }
+            _ => self.depart_one_by_one::<R, L>(at, wavelengths, u, lanes),
+        }
+    }
+
+    /// What it makes of light from local directions `i` with a density per steradian, and that density.
+    #[inline(always)]
+    pub fn answer<R: Real, L: Abreast>(
+        &self,
+        at: &Vertices<R>,
+        i: V3<R>,
+        wavelengths: &L::Values<R>,
+        lanes: R::M,
+    ) -> (L::Answers<R>, R) {
+        match self {
+            Self::Diffuse(m) => m.answer::<R, L>(at, i, wavelengths),
+            Self::RoughConductor(m) => m.answer::<R, L>(at, i, wavelengths),
+            _ => self.answer_one_by_one::<R, L>(at, i, wavelengths, lanes, Part::Continuous),
+        }
+    }
+
+    /// What it makes of light that goes straight through.
+    #[inline(always)]
+    pub fn pass<R: Real, L: Abreast>(
+        &self,
+        at: &Vertices<R>,
+        wavelengths: &L::Values<R>,
+        lanes: R::M,
+    ) -> L::Answers<R> {
+        match self {
+            Self::Polarizer(m) => m.pass::<R, L>(at, wavelengths),
+            Self::Retarder(m) => m.pass::<R, L>(at, wavelengths),
+            Self::Null(m) => m.pass::<R, L>(at),
+            _ => {
+                self.answer_one_by_one::<R, L>(at, -at.o, wavelengths, lanes, Part::Straight)
+                    .0
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn answer_one_by_one<R: Real, L: Abreast>(
+        &self,
+        at: &Vertices<R>,
+        i: V3<R>,
+        wavelengths: &L::Values<R>,
+        lanes: R::M,
+        part: Part,
+    ) -> (L::Answers<R>, R) {
+        let waves = lane_wavelengths::<R, L>(wavelengths);
+        let mut densities = [0.0; MOST];
+        let answers = L::gathered(lanes.bits(), at.o, i, |lane| {
+            let (response, density) = self.respond::<L>(
+                &at.lane(lane),
+                i.lane(lane),
+                part,
+                &waves[lane][..L::LANES],
+                &Coherence::PLANE_WAVE,
+            );
+            densities[lane] = density;
+            response
+        });
+        (answers, R::from_fn(|lane| densities[lane]))
+    }
+
+    #[inline(always)]
+    fn depart_one_by_one<R: Real, L: Abreast>(
+        &self,
+        at: &Vertices<R>,
+        wavelengths: &L::Values<R>,
+        u: [R; 3],
+        lanes: R::M,
+    ) -> Departures<R, L::Answers<R>> {
+        let waves = lane_wavelengths::<R, L>(wavelengths);
+        let mut drawn = [None::<Departure>; MOST];
+        let mut exist = 0;
+        each(lanes.bits(), |lane| {
+            let numbers = u.map(|u| u.lane(lane));
+            drawn[lane] = self.sample(&at.lane(lane), &waves[lane][..L::LANES], numbers);
+            exist |= u32::from(drawn[lane].is_some()) << lane;
+        });
+        let of = |f: fn(&Departure) -> f32| R::from_fn(|lane| drawn[lane].as_ref().map_or(1.0, f));
+        let part = |wanted: Part| {
+            let mut bits = 0;
+            each(exist, |lane| {
+                bits |= u32::from(drawn[lane].is_some_and(|d| d.part == wanted)) << lane;
+            });
+            R::M::from_bits(bits)
+        };
+        let direction = V3::from_fn(|lane| drawn[lane].map_or(Vec3A::Z, |d| d.direction));
+        let answers = L::gathered(exist, at.o, direction, |lane| {
+            let (i, part) =
+                drawn[lane].map_or((Vec3A::Z, Part::Straight), |d| (d.direction, d.part));
+            let waves = &waves[lane][..L::LANES];
+            self.respond::<L>(&at.lane(lane), i, part, waves, &Coherence::PLANE_WAVE)
+                .0
+        });
+        Departures {
+            exist: R::M::from_bits(exist),
+            direction,
+            density: of(|d| d.density),
+            continuous: part(Part::Continuous),
+            straight: part(Part::Straight),
+            eta: of(|d| d.eta),
+            answers,
+        }
+    }
+}
+
+/// Most wavelengths of a path.
+const WAVES: usize = 4;
+
+/// The wavelengths of each lane.
+#[inline(always)]
+fn lane_wavelengths<R: Real, L: Abreast>(wavelengths: &L::Values<R>) -> [[f32; WAVES]; MOST] {
+    let mut all = [[0.0; WAVES]; MOST];
+    for (k, wavelength) in wavelengths.as_ref().iter().enumerate() {
+        for (lane, value) in wavelength.lanes().into_iter().enumerate() {
+            all[lane][k] = value;
+        }
+    }
+    all
+}
+
+/// Directions around +z with density cos/π, as [`cosine_hemisphere`](crate::sampler::cosine_hemisphere) draws them.
+#[inline(always)]
+pub fn cosine_hemispheres<R: Real>([u, v]: [R; 2]) -> V3<R> {
+    let (x, y) = (u + u - R::one(), v + v - R::one());
+    let wide = x.abs().gt(y.abs());
+    let (r, other) = (R::select(wide, x, y), R::select(wide, y, x));
+    // eighths of a turn from the axis of the longer one
+    let some = r.abs().gt(R::zero());
+    let eighth = R::select(some, other / r, R::zero()) * R::splat(0.125);
+    let turns = R::select(wide, eighth, R::splat(0.25) - eighth);
+    let negative = turns.lt(R::zero());
+    let (sin, cos) = sin_cos_turns(R::select(negative, turns + R::one(), turns));
+    let (x, y) = (r * cos, r * sin);
+    V3::new(x, y, (R::one() - x * x - y * y).max(R::zero()).sqrt())
+}
+
+impl Diffuse {
+    #[inline(always)]
+    fn depart<R: Real, L: Abreast>(
+        &self,
+        at: &Vertices<R>,
+        wavelengths: &L::Values<R>,
+        u: [R; 3],
+    ) -> Departures<R, L::Answers<R>> {
+        let direction = cosine_hemispheres([u[1], u[2]]);
+        let (answers, density) = self.answer::<R, L>(at, direction, wavelengths);
+        let exist = density.gt(R::zero());
+        Departures {
+            exist,
+            direction,
+            density,
+            continuous: exist,
+            straight: R::nowhere(),
+            eta: R::one(),
+            answers,
+        }
+    }
+
+    #[inline(always)]
+    fn answer<R: Real, L: Abreast>(
+        &self,
+        at: &Vertices<R>,
+        i: V3<R>,
+        wavelengths: &L::Values<R>,
+    ) -> (L::Answers<R>, R) {
+        let lit = at.o.z.gt(R::zero()) & i.z.gt(R::zero());
+        let density = (i.z * R::splat(FRAC_1_PI)).only(lit);
+        let waves = wavelengths.as_ref();
+        (
+            L::depolarizing_lanes(|w| values(self.reflectance(), waves[w]) * density),
+            density,
+        )
+    }
+}

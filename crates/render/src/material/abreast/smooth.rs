@@ -1,0 +1,94 @@
+//! Smooth metal and smooth glass, a path a lane.
+
+use super::super::conductor::{Conductor, Metal};
+use super::super::dielectric::Dielectric;
+use super::fresnel::{conductor, dielectric};
+use super::{Departures, Vertices, axes_s, mirrored, upright, values};
+use crate::lanes::{Double, Real, V3};
+use crate::light::abreast::{Abreast, Elements};
+
+impl Metal {
+    /// Reflection at angles of incidence, at one wavelength a lane; first axis perpendicular to the plane of incidence.
+    #[inline(always)]
+    pub(super) fn reflections<R: Real>(&self, cos_i: R, wavelengths: R) -> Elements<R> {
+        let [eta, k, reflectance] = self
+            .spectra()
+            .map(|spectrum| values(spectrum, wavelengths));
+        conductor(cos_i, eta, k).scaled(reflectance)
+    }
+}
+
+impl Conductor {
+    #[inline(always)]
+    pub(super) fn depart<R: Real, L: Abreast>(
+        &self,
+        at: &Vertices<R>,
+        wavelengths: &L::Values<R>,
+    ) -> Departures<R, L::Answers<R>> {
+        let direction = mirrored(at.o, upright());
+        let waves = wavelengths.as_ref();
+        Departures {
+            exist: at.o.z.gt(R::zero()),
+            direction,
+            density: R::one(),
+            continuous: R::nowhere(),
+            straight: R::nowhere(),
+            eta: R::one(),
+            answers: L::diagonal_lanes(axes_s(upright(), direction), |w| {
+                self.metal().reflections(direction.z, waves[w])
+            }),
+        }
+    }
+}
+
+impl Dielectric {
+    #[inline(always)]
+    pub(super) fn depart<R: Real, L: Abreast>(
+        &self,
+        at: &Vertices<R>,
+        wavelengths: &L::Values<R>,
+        u: [R; 3],
+    ) -> Departures<R, L::Answers<R>> {
+        let o = at.o;
+        let above = o.z.gt(R::zero());
+        let [outside, inside] = self.indices();
+        // in units of the index outside, so that single precision chooses
+        let choose = |a: f64, b: f64| {
+            let (a, b) = (R::D::splat(a), R::D::splat(b));
+            let up = R::D::wide(R::select(above, R::one(), R::zero()));
+            a * up + b * (R::D::splat(1.0) - up)
+        };
+        let (n1, n2) = (choose(outside, inside), choose(inside, outside));
+        let interface = dielectric::<R>(o.z.abs(), n1, n2);
+        // in proportion to what the sensor sees of unpolarized light on either way
+        let s = axes_s(upright(), o);
+        let seen = at.sights.along(s, o);
+        let element = &interface.reflection;
+        let chance = (element.mean + seen * element.difference).clamp(0.0, 1.0);
+        let reflected = u[0].lt(chance);
+        let ratio = (inside / outside) as f32;
+        let eta = R::select(above, R::splat(ratio), R::splat(ratio.recip()));
+        let down = interface.cos_t.copysign(o.z);
+        // Snell's law across, the cosine along: normalised once more in single precision
+        let refracted = V3::new(-(o.x / eta), -(o.y / eta), -down).normalize();
+        let direction = V3::select(reflected, mirrored(o, upright()), refracted);
+        // radiance counts by the squared index of its medium
+        let dense = (eta * eta).recip();
+        let ways = [interface.reflection, interface.transmission.scaled(dense)];
+        let waves = wavelengths.as_ref();
+        let factors = self.factors();
+        let exist = (reflected | interface.passes) & o.z.abs().gt(R::zero());
+        Departures {
+            exist,
+            direction,
+            density: R::select(reflected, chance, R::one() - chance),
+            continuous: R::nowhere(),
+            straight: R::nowhere(),
+            eta: R::select(reflected, R::one(), eta),
+            answers: L::diagonal_lanes(axes_s(upright(), direction), |w| {
+                let [back, on] = factors.map(|factor| values(factor, waves[w]));
+                Elements::select(reflected, ways[0].scaled(back), ways[1].scaled(on))
+            }),
+        }
+    }
+}

@@ -1,0 +1,235 @@
+//! What rays side by side find in a scene.
+//!
+//! In scenes of few shapes every ray is tested against all of them, a shape at a time; elsewhere each ray goes down the
+//! search tree by itself.
+
+use glam::Vec3A;
+
+use super::world::Scene;
+use crate::geometry::bvh::Stack;
+use crate::lanes::{Axes, MOST, Mask, Real, V3, each};
+use crate::shape::Shape;
+use crate::shape::abreast::{Hits, Rays, Shears, Surfaces};
+
+/// No emitter.
+pub const NONE: u32 = u32::MAX;
+
+/// As many shapes are tested one by one.
+pub(super) const FEW: usize = 24;
+
+/// Surfaces that rays have met.
+#[derive(Clone, Copy, Debug)]
+pub struct Encounters<R: Real> {
+    /// Where there is one.
+    pub exist: R::M,
+    /// Where.
+    pub surfaces: Surfaces<R>,
+    /// Index of the matter.
+    pub materials: [u32; MOST],
+    /// Index of the emitter, or [`NONE`].
+    pub emitters: [u32; MOST],
+}
+
+/// Lanes with the same number, one number after the other.
+pub struct Groups<'a> {
+    numbers: &'a [u32; MOST],
+    rest: u32,
+}
+
+/// The groups of some lanes.
+#[inline(always)]
+pub fn groups(numbers: &[u32; MOST], lanes: u32) -> Groups<'_> {
+    Groups {
+        numbers,
+        rest: lanes,
+    }
+}
+
+impl Iterator for Groups<'_> {
+    type Item = (u32, u32);
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<(u32, u32)> {
+        if self.rest == 0 {
+            return None;
+        }
+        let number = self.numbers[self.rest.trailing_zeros() as usize % MOST];
+        let mut same = 0;
+        for (lane, other) in self.numbers.iter().enumerate() {
+            same |= u32::from(*other == number) << lane;
+        }
+        let group = same & self.rest;
+        self.rest &= !group;
+        Some((number, group))
+    }
+}
+
+impl Scene {
+    /// The nearest surfaces along rays.
+    #[inline(always)]
+    pub fn meet<R: Real>(&self, rays: &Rays<R>, lanes: R::M, stack: &mut Stack) -> Encounters<R> {
+        if self.few {
+            return self.meet_few(rays, lanes);
+        }
+        let mut exist = 0;
+        let mut materials = [0; MOST];
+        let mut emitters = [NONE; MOST];
+        let mut vectors = [[Vec3A::Z; MOST]; 6];
+        each(lanes.bits(), |lane| {
+            if let Some(met) = self.intersect(&rays.lane(lane), stack) {
+                exist |= 1 << lane;
+                materials[lane] = met.owner.material;
+                emitters[lane] = met.owner.emitter.unwrap_or(NONE);
+                let s = &met.surface;
+                let all = [s.position, s.error, s.normal, s.frame.s, s.frame.t, s.frame.n];
+                for (to, v) in vectors.iter_mut().zip(all) {
+                    to[lane] = v;
+                }
+            }
+        });
+        let v = |k: usize| V3::from_fn(|lane| vectors[k][lane]);
+        Encounters {
+            exist: R::M::from_bits(exist),
+            surfaces: Surfaces {
+                position: v(0),
+                error: v(1),
+                normal: v(2),
+                axes: Axes {
+                    s: v(3),
+                    t: v(4),
+                    n: v(5),
+                },
+            },
+            materials,
+            emitters,
+        }
+    }
+
+    /// Where nothing stands in the way of rays.
+    #[inline(always)]
+    pub fn free<R: Real>(&self, rays: &Rays<R>, lanes: R::M, stack: &mut Stack) -> R::M {
+        if self.few {
+            let shears = Shears::new(rays);
+            let mut free = lanes;
+            for shape in &self.shapes {
+                let hits = self.hits(shape, rays, &shears, rays.t_max, free);
+                free = free & !hits.exist;
+                if !free.any() {
+                    break;
+                }
+            }
+            return free;
+        }
+        let mut free = 0;
+        each(lanes.bits(), |lane| {
+            free |= u32::from(self.is_free(&rays.lane(lane), stack)) << lane;
+        });
+        R::M::from_bits(free)
+    }
+
+    #[inline(always)]
+    fn hits<R: Real>(
+        &self,
+        shape: &Shape,
+        rays: &Rays<R>,
+        shears: &Shears<R>,
+        t_max: R,
+        lanes: R::M,
+    ) -> Hits<R> {
+        match shape {
+            Shape::Rectangle(s) => shears.meet(s.corners(), t_max),
+            Shape::Sphere(s) => s.meet(rays, t_max),
+            _ => {
+                let mut found = [Vec3A::ZERO; MOST];
+                let mut exist = 0;
+                each(lanes.bits(), |lane| {
+                    if let Some(hit) = shape.intersect(&rays.lane(lane), t_max.lane(lane)) {
+                        exist |= 1 << lane;
+                        found[lane] = hit;
+                    }
+                });
+                Hits {
+                    exist: R::M::from_bits(exist),
+                    t: R::from_fn(|lane| found[lane].x),
+                    u: R::from_fn(|lane| found[lane].y),
+                    v: R::from_fn(|lane| found[lane].z),
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn meet_few<R: Real>(&self, rays: &Rays<R>, lanes: R::M) -> Encounters<R> {
+        let shears = Shears::new(rays);
+        let mut t = rays.t_max;
+        let (mut u, mut v) = (R::zero(), R::zero());
+        let mut exist = R::nowhere();
+        let mut numbers = [0u32; MOST];
+        for (number, shape) in self.shapes.iter().enumerate() {
+            let hits = self.hits(shape, rays, &shears, t, lanes);
+            let nearer = hits.exist & lanes;
+            if !nearer.any() {
+                continue;
+            }
+            exist = exist | nearer;
+            t = R::select(nearer, hits.t, t);
+            u = R::select(nearer, hits.u, u);
+            v = R::select(nearer, hits.v, v);
+            each(nearer.bits(), |lane| numbers[lane] = number as u32);
+        }
+        let nothing = V3::splat(Vec3A::ZERO);
+        let mut surfaces = Surfaces {
+            position: nothing,
+            error: nothing,
+            normal: nothing,
+            axes: Axes {
+                s: nothing,
+                t: nothing,
+                n: nothing,
+            },
+        };
+        let mut materials = [0; MOST];
+        let mut emitters = [NONE; MOST];
+        for (number, group) in groups(&numbers, exist.bits()) {
+            let mask = R::M::from_bits(group);
+            let found = match &self.shapes[number as usize] {
+                Shape::Rectangle(s) => s.surfaces(u, v),
+                Shape::Sphere(s) => s.surfaces(rays, t),
+                shape => {
+                    let mut vectors = [[Vec3A::Z; MOST]; 6];
+                    each(group, |lane| {
+                        let hit = (t.lane(lane), u.lane(lane), v.lane(lane));
+                        let s = shape.surface(&rays.lane(lane), hit);
+                        let all = [s.position, s.error, s.normal, s.frame.s, s.frame.t, s.frame.n];
+                        for (to, v) in vectors.iter_mut().zip(all) {
+                            to[lane] = v;
+                        }
+                    });
+                    let v = |k: usize| V3::from_fn(|lane| vectors[k][lane]);
+                    Surfaces {
+                        position: v(0),
+                        error: v(1),
+                        normal: v(2),
+                        axes: Axes {
+                            s: v(3),
+                            t: v(4),
+                            n: v(5),
+                        },
+                    }
+                }
+            };
+            surfaces = Surfaces::select(mask, &found, &surfaces);
+            let owner = &self.shape_owners[number as usize];
+            each(group, |lane| {
+                materials[lane] = owner.material;
+                emitters[lane] = owner.emitter.unwrap_or(NONE);
+            });
+        }
+        Encounters {
+            exist,
+            surfaces,
+            materials,
+            emitters,
+        }
+    }
+}
