@@ -93,8 +93,9 @@ const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 /// Source: pcg3d of Jarzynski, Olano, Hash Functions for GPU Rendering, JCGT 9(3), 2020.
 #[inline(always)]
 fn scatter<B: Bits>(words: [B; 3]) -> [B; 3] {
-    let [mut x, mut y, mut z] =
-        words.map(|word| word * B::splat(1_664_525) + B::splat(1_013_904_223));
+    let (factor, more) = (B::splat(1_664_525), B::splat(1_013_904_223));
+    let [x, y, z] = words;
+    let (mut x, mut y, mut z) = (x * factor + more, y * factor + more, z * factor + more);
     x = x + y * z;
     y = y + z * x;
     z = z + x * y;
@@ -197,7 +198,8 @@ impl<R: Real> Stream<R> {
             return [unit::<R>(x), unit::<R>(y)];
         }
         let [a, b] = self.block;
-        let seeds = scatter([a, b, dimension]).map(|seed| seed.shr::<8>());
+        let [a, b, c] = scatter([a, b, dimension]);
+        let seeds = [a.shr::<8>(), b.shr::<8>(), c.shr::<8>()];
         let [u, v] = net::point(self.place, seeds);
         [
             unit::<R>(u.shl::<24>() | x.shr::<8>()),

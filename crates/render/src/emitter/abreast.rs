@@ -5,7 +5,7 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3A;
 
 use super::area::Area;
-use super::{Connection, Emitter, Kind};
+use super::{Emitter, Kind};
 use crate::geometry::frame::Frame;
 use crate::lanes::{Axes, MOST, Mask, Real, V3, each};
 use crate::light::abreast::{Abreast, Shine};
@@ -36,6 +36,25 @@ pub struct Connections<R: Real> {
     pub discrete: R::M,
     /// Factor on the emission.
     pub weight: R,
+}
+
+impl<R: Real> Connections<R> {
+    /// `a` where the mask holds, elsewhere `b`.
+    #[inline(always)]
+    pub fn select(mask: R::M, a: &Self, b: &Self) -> Self {
+        let elsewhere = !mask;
+        Self {
+            exist: (a.exist & mask) | (b.exist & elsewhere),
+            direction: V3::select(mask, a.direction, b.direction),
+            position: V3::select(mask, a.position, b.position),
+            error: V3::select(mask, a.error, b.error),
+            normal: V3::select(mask, a.normal, b.normal),
+            near: (a.near & mask) | (b.near & elsewhere),
+            density: R::select(mask, a.density, b.density),
+            discrete: (a.discrete & mask) | (b.discrete & elsewhere),
+            weight: R::select(mask, a.weight, b.weight),
+        }
+    }
 }
 
 /// Shapes that answer all lanes at once.
@@ -123,41 +142,45 @@ impl Emitter {
         [u, v]: [R; 2],
         lanes: R::M,
     ) -> Connections<R> {
-        let mut found = [None::<Connection>; MOST];
-        let bits = |f: &dyn Fn(&Connection) -> bool, found: &[Option<Connection>; MOST]| {
-            let mut bits = 0;
-            for (lane, connection) in found.iter().enumerate() {
-                bits |= u32::from(connection.as_ref().is_some_and(f)) << lane;
-            }
-            R::M::from_bits(bits)
-        };
+        let (from, u, v) = (from.lanes(), u.lanes(), v.lanes());
+        let axes = [lit.s.lanes(), lit.t.lanes(), lit.n.lanes()];
+        let (mut exist, mut near, mut discrete) = (0, 0, 0);
+        // direction, position, error, normal
+        let mut vectors = [[Vec3A::ZERO; MOST]; 4];
+        let (mut density, mut weight) = ([1.0; MOST], [1.0; MOST]);
         each(lanes.bits(), |lane| {
             let frame = Frame {
-                s: lit.s.lane(lane),
-                t: lit.t.lane(lane),
-                n: lit.n.lane(lane),
+                s: axes[0][lane],
+                t: axes[1][lane],
+                n: axes[2][lane],
             };
-            let u = [u.lane(lane), v.lane(lane)];
-            found[lane] = self.connect(scene, from.lane(lane), &frame, u);
+            let u = [u[lane], v[lane]];
+            let Some(way) = self.connect(scene, from[lane], &frame, u) else {
+                return;
+            };
+            exist |= 1 << lane;
+            discrete |= u32::from(way.discrete) << lane;
+            vectors[0][lane] = way.direction;
+            if let Some(target) = way.target {
+                near |= 1 << lane;
+                vectors[1][lane] = target.position;
+                vectors[2][lane] = target.error;
+                vectors[3][lane] = target.normal;
+            }
+            density[lane] = way.density;
+            weight[lane] = way.weight;
         });
-        let number =
-            |f: fn(&Connection) -> f32| R::from_fn(|lane| found[lane].as_ref().map_or(1.0, f));
-        let target = |f: fn(&super::Target) -> Vec3A| {
-            V3::from_fn(|lane| {
-                let target = found[lane].and_then(|c| c.target);
-                target.as_ref().map_or(Vec3A::ZERO, f)
-            })
-        };
+        let [direction, position, error, normal] = &vectors;
         Connections {
-            exist: bits(&|_| true, &found),
-            direction: V3::from_fn(|lane| found[lane].map_or(Vec3A::Z, |c| c.direction)),
-            position: target(|t| t.position),
-            error: target(|t| t.error),
-            normal: target(|t| t.normal),
-            near: bits(&|c| c.target.is_some(), &found),
-            density: number(|c| c.density),
-            discrete: bits(&|c| c.discrete, &found),
-            weight: number(|c| c.weight),
+            exist: R::M::from_bits(exist),
+            direction: V3::from_lanes(direction),
+            position: V3::from_lanes(position),
+            error: V3::from_lanes(error),
+            normal: V3::from_lanes(normal),
+            near: R::M::from_bits(near),
+            density: R::from_fn(|lane| density[lane]),
+            discrete: R::M::from_bits(discrete),
+            weight: R::from_fn(|lane| weight[lane]),
         }
     }
 
@@ -178,14 +201,16 @@ impl Emitter {
             }
         }
         let mut densities = [0.0; MOST];
+        let (position, error) = (at.position.lanes(), at.error.lanes());
+        let (normal, from) = (at.normal.lanes(), from.lanes());
         each(lanes.bits(), |lane| {
             let surface = Surface {
-                position: at.position.lane(lane),
-                error: at.error.lane(lane),
-                normal: at.normal.lane(lane),
-                frame: Frame::around(at.normal.lane(lane)),
+                position: position[lane],
+                error: error[lane],
+                normal: normal[lane],
+                frame: Frame::around(normal[lane]),
             };
-            densities[lane] = self.density_of_hit(scene, from.lane(lane), &surface);
+            densities[lane] = self.density_of_hit(scene, from[lane], &surface);
         });
         R::from_fn(|lane| densities[lane])
     }
@@ -202,9 +227,10 @@ impl Emitter {
             return normal.dot(direction).max(R::zero()) * R::splat(FRAC_1_PI);
         }
         let mut densities = [0.0; MOST];
+        let (normal, direction) = (normal.lanes(), direction.lanes());
         each(lanes.bits(), |lane| {
-            let frame = Frame::around(normal.lane(lane));
-            densities[lane] = self.density_of_miss(&frame, direction.lane(lane));
+            let frame = Frame::around(normal[lane]);
+            densities[lane] = self.density_of_miss(&frame, direction[lane]);
         });
         R::from_fn(|lane| densities[lane])
     }
@@ -229,13 +255,24 @@ impl Emitter {
                 return self.shine_one_by_one::<R, L>(k, from, wavelengths, lanes);
             }
         };
-        let waves = wavelengths.as_ref();
-        let radiance = L::values(|w| values(spectrum, waves[w]) * R::splat(scale));
-        let state = self.polarization.as_ref().filter(|_| L::POLARIZED).map(|p| {
-            let axis = V3::from_fn(|lane| p.axis_across(k.lane(lane)));
-            let state = p.state.to_array().map(|s| L::values(|_| R::splat(s)));
-            (axis, state)
-        });
+        let mut radiance = *wavelengths;
+        for value in radiance.as_mut() {
+            *value = values(spectrum, *value) * R::splat(scale);
+        }
+        let state = match &self.polarization {
+            Some(p) if L::POLARIZED => {
+                let k = k.lanes();
+                let axis = V3::from_fn(|lane| p.axis_across(k[lane]));
+                let [a, b, c] = p.state.to_array();
+                let state = [
+                    L::values(R::splat(a)),
+                    L::values(R::splat(b)),
+                    L::values(R::splat(c)),
+                ];
+                Some((axis, state))
+            }
+            _ => None,
+        };
         Shine { radiance, state }
     }
 
@@ -250,27 +287,38 @@ impl Emitter {
         let mut axes = [Vec3A::X; MOST];
         let mut numbers = [[[0.0; MOST]; 4]; 4];
         let mut polarized = false;
+        let mut waves = [[0.0; MOST]; 4];
+        for (to, wave) in waves.iter_mut().zip(wavelengths.as_ref()) {
+            *to = wave.lanes();
+        }
+        let (k, from) = (k.lanes(), from.lanes());
         each(lanes.bits(), |lane| {
-            let (k, from) = (k.lane(lane), from.lane(lane));
-            axes[lane] = Frame::around(k).s;
-            for (w, wavelength) in wavelengths.as_ref().iter().enumerate() {
+            axes[lane] = Frame::around(k[lane]).s;
+            for (w, wavelength) in waves.iter().enumerate().take(L::LANES) {
                 let emission: Emission<Polarized<1>> =
-                    self.emit(k, from, &[wavelength.lane(lane)]);
-                numbers[w][0][lane] = emission.radiance[0];
+                    self.emit(k[lane], from[lane], &[wavelength[lane]]);
+                numbers[0][w][lane] = emission.radiance[0];
                 if let Some((axis, [state])) = emission.state {
                     axes[lane] = axis;
                     polarized = true;
-                    for (to, s) in numbers[w][1..].iter_mut().zip(state.to_array()) {
-                        to[lane] = s;
+                    for (to, s) in numbers[1..].iter_mut().zip(state.to_array()) {
+                        to[w][lane] = s;
                     }
                 }
             }
         });
-        let of = |which: usize| L::values(|w| R::from_fn(|lane| numbers[w][which][lane]));
-        Shine {
-            radiance: of(0),
-            state: (L::POLARIZED && polarized)
-                .then(|| (V3::from_fn(|lane| axes[lane]), [of(1), of(2), of(3)])),
+        let mut all = [L::values(R::zero()); 4];
+        for (to, from) in all.iter_mut().zip(&numbers) {
+            for (value, from) in to.as_mut().iter_mut().zip(from) {
+                *value = R::from_fn(|lane| from[lane]);
+            }
         }
+        let [radiance, a, b, c] = all;
+        let state = if L::POLARIZED && polarized {
+            Some((V3::from_lanes(&axes), [a, b, c]))
+        } else {
+            None
+        };
+        Shine { radiance, state }
     }
 }

@@ -258,8 +258,9 @@ impl<'a, L: Abreast> Worker<'a, L> {
         let paths = match mode {
             SpectralMode::Bands { count, .. } if !one => count.div_ceil(L::LANES),
             SpectralMode::Rgb if !one => {
+                let places = place.lanes();
                 each(lanes.bits(), |lane| {
-                    let u = place.lane(lane);
+                    let u = places[lane];
                     drawn[lane] = std::array::from_fn(|k| {
                         sample_wavelength((u + k as f32 / PER_SAMPLE as f32).fract())
                     });
@@ -270,17 +271,21 @@ impl<'a, L: Abreast> Worker<'a, L> {
         };
         for path in 0..paths {
             let first = path * L::LANES;
-            let wavelengths = L::values(|w| match mode {
-                SpectralMode::Single(wavelength) => R::splat(*wavelength as f32),
-                SpectralMode::Bands { from, .. } if one => R::splat(*from as f32),
-                SpectralMode::Rgb if one => R::splat(mode.range()[0] as f32),
-                SpectralMode::Bands { from, to, count } => {
-                    let width = (to - from) / *count as f64;
-                    let band = (first + w).min(count - 1) as f64;
-                    R::from_fn(|lane| (from + width * (band + f64::from(place.lane(lane)))) as f32)
-                }
-                SpectralMode::Rgb => R::from_fn(|lane| drawn[lane][first + w].0),
-            });
+            let places = place.lanes();
+            let mut wavelengths = L::values(R::zero());
+            for (w, to) in wavelengths.as_mut().iter_mut().enumerate() {
+                *to = match mode {
+                    SpectralMode::Single(wavelength) => R::splat(*wavelength as f32),
+                    SpectralMode::Bands { from, .. } if one => R::splat(*from as f32),
+                    SpectralMode::Rgb if one => R::splat(mode.range()[0] as f32),
+                    SpectralMode::Bands { from, to, count } => {
+                        let width = (to - from) / *count as f64;
+                        let band = (first + w).min(count - 1) as f64;
+                        R::from_fn(|lane| (from + width * (band + f64::from(places[lane]))) as f32)
+                    }
+                    SpectralMode::Rgb => R::from_fn(|lane| drawn[lane][first + w].0),
+                };
+            }
             let begin = Beginnings {
                 rays,
                 axes,
@@ -295,10 +300,9 @@ impl<'a, L: Abreast> Worker<'a, L> {
                 stack,
                 &mut self.taken.counters,
             );
-            each(lanes.bits(), |lane| {
+            for (lane, colours) in colours.iter_mut().enumerate() {
                 let seen = L::lane(&seen, lane);
                 let seen = seen.as_ref();
-                let colours = &mut colours[lane];
                 match mode {
                     SpectralMode::Single(_) => colours.add(0, seen[0]),
                     SpectralMode::Bands { count, .. } if one => {
@@ -323,7 +327,7 @@ impl<'a, L: Abreast> Worker<'a, L> {
                         }
                     }
                 }
-            });
+            }
         }
     }
 

@@ -77,6 +77,21 @@ impl<R: Real> V3<R> {
             R::from_fn(|lane| z[lane]),
         )
     }
+    /// All lanes; of [`MOST`](super::MOST) only as many count as there are.
+    #[inline(always)]
+    pub fn lanes(self) -> [Vec3A; super::MOST] {
+        let (x, y, z) = (self.x.lanes(), self.y.lanes(), self.z.lanes());
+        let mut all = [Vec3A::ZERO; super::MOST];
+        for (lane, v) in all.iter_mut().enumerate() {
+            *v = Vec3A::new(x[lane], y[lane], z[lane]);
+        }
+        all
+    }
+    /// From all lanes.
+    #[inline(always)]
+    pub fn from_lanes(all: &[Vec3A; super::MOST]) -> Self {
+        Self::from_fn(|lane| all[lane])
+    }
     /// One lane.
     #[inline(always)]
     pub fn lane(self, lane: usize) -> Vec3A {

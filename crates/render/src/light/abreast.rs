@@ -6,7 +6,7 @@
 use glam::{Vec3A, Vec4, vec4};
 
 use super::{Element, Intensity, Light, MuellerResponse, Polarized, Sight};
-use crate::lanes::{MOST, Real, V3, each};
+use crate::lanes::{Axes, MOST, Real, V3, each};
 
 /// An [`Element`] a lane.
 #[derive(Clone, Copy, Debug)]
@@ -91,14 +91,16 @@ pub struct Sights<R> {
 }
 
 impl<R: Real> Sights<R> {
-    /// Of one lane.
+    /// One by one.
     #[inline(always)]
-    pub fn lane(&self, lane: usize) -> Sight {
-        let [a, b] = self.linear;
-        Sight::new(
-            self.axis.lane(lane),
-            [1.0, a.lane(lane), b.lane(lane)],
-        )
+    pub fn lanes(&self) -> [Sight; MOST] {
+        let axes = self.axis.lanes();
+        let [a, b] = [self.linear[0].lanes(), self.linear[1].lanes()];
+        let mut all = [Sight::BLIND; MOST];
+        for (lane, sight) in all.iter_mut().enumerate() {
+            *sight = Sight::new(axes[lane], [1.0, a[lane], b[lane]]);
+        }
+        all
     }
     /// How much rather it sees light polarized along `axis` than across it; `k` is the light's direction.
     #[inline(always)]
@@ -140,6 +142,8 @@ pub struct Throughputs<R, const N: usize> {
 pub trait Abreast: Light {
     /// One number a wavelength.
     type Values<R: Real>: Copy + std::fmt::Debug + AsRef<[R]> + AsMut<[R]>;
+    /// One element a wavelength.
+    type Diagonals<R: Real>: Copy + AsMut<[Elements<R>]>;
     /// What matter does to light.
     type Answers<R: Real>: Copy;
     /// Products of these from the sensor to here.
@@ -147,24 +151,23 @@ pub trait Abreast: Light {
     /// One Stokes vector a wavelength.
     type Seen<R: Real>: Copy;
 
-    /// One number for each wavelength.
-    fn values<R: Real>(f: impl Fn(usize) -> R) -> Self::Values<R>;
+    /// The same number for each wavelength, to be filled in.
+    fn values<R: Real>(value: R) -> Self::Values<R>;
+    /// The same element for each wavelength, to be filled in.
+    fn diagonals<R: Real>(element: Elements<R>) -> Self::Diagonals<R>;
     /// Matter that forgets polarization.
-    fn depolarizing_lanes<R: Real>(f: impl Fn(usize) -> R) -> Self::Answers<R>;
+    fn depolarizing_lanes<R: Real>(m00: Self::Values<R>) -> Self::Answers<R>;
     /// Matter that is diagonal in the frame of `axis`.
-    fn diagonal_lanes<R: Real>(axis: V3<R>, f: impl Fn(usize) -> Elements<R>) -> Self::Answers<R>;
+    fn diagonal_lanes<R: Real>(axis: V3<R>, elements: &Self::Diagonals<R>) -> Self::Answers<R>;
     /// The answers of lanes that were asked one by one; `o` is the direction toward the sensor, `i` that toward the light.
     fn gathered<R: Real>(
         lanes: u32,
-        o: V3<R>,
-        i: V3<R>,
+        o: &[Vec3A; MOST],
+        i: &[Vec3A; MOST],
         f: impl FnMut(usize) -> Self::Response,
     ) -> Self::Answers<R>;
-    /// With its axes turned.
-    fn map_lanes<R: Real>(
-        answer: Self::Answers<R>,
-        turn: impl Fn(V3<R>) -> V3<R>,
-    ) -> Self::Answers<R>;
+    /// With its axes in the world.
+    fn to_world<R: Real>(answer: &Self::Answers<R>, axes: &Axes<R>) -> Self::Answers<R>;
     /// The empty path in the frame of `axis`.
     fn beginning<R: Real>(axis: V3<R>) -> Self::Throughputs<R>;
     /// Longer by a vertex, weighted; `k_out` is the direction of light that leaves it, `i` that toward the light.
@@ -266,36 +269,67 @@ fn scaled_vector<R: Real>(v: [R; 4], weight: R) -> [R; 4] {
     [v[0] * weight, v[1] * weight, v[2] * weight, v[3] * weight]
 }
 
+/// Light of a source, times `weight`, in the frame of `axis`; `k` is its direction.
+#[inline(always)]
+fn arriving<R: Real, const N: usize>(
+    axis: V3<R>,
+    light: &Shine<[R; N], R>,
+    k: V3<R>,
+    weight: R,
+) -> [[R; 4]; N] {
+    let mut all = [[R::zero(); 4]; N];
+    match &light.state {
+        None => {
+            for (w, to) in all.iter_mut().enumerate() {
+                to[0] = light.radiance[w] * weight;
+            }
+        }
+        Some((from, states)) => {
+            let turn = double_angles(axis, *from, k);
+            for (w, to) in all.iter_mut().enumerate() {
+                let s0 = light.radiance[w] * weight;
+                let state = [s0, states[0][w] * s0, states[1][w] * s0, states[2][w] * s0];
+                *to = turned_vector(state, turn);
+            }
+        }
+    }
+    all
+}
+
 impl<const N: usize> Abreast for Polarized<N> {
     type Values<R: Real> = [R; N];
+    type Diagonals<R: Real> = [Elements<R>; N];
     type Answers<R: Real> = Answers<R, N>;
     type Throughputs<R: Real> = Throughputs<R, N>;
     type Seen<R: Real> = [[R; 4]; N];
 
     #[inline(always)]
-    fn values<R: Real>(f: impl Fn(usize) -> R) -> [R; N] {
-        each_wavelength!(i, R::zero(), f(i))
+    fn values<R: Real>(value: R) -> [R; N] {
+        [value; N]
     }
     #[inline(always)]
-    fn depolarizing_lanes<R: Real>(f: impl Fn(usize) -> R) -> Answers<R, N> {
-        Answers::Depolarizing(each_wavelength!(i, R::zero(), f(i)))
+    fn diagonals<R: Real>(element: Elements<R>) -> [Elements<R>; N] {
+        [element; N]
     }
     #[inline(always)]
-    fn diagonal_lanes<R: Real>(axis: V3<R>, f: impl Fn(usize) -> Elements<R>) -> Answers<R, N> {
-        let black = Elements::splat(Element::BLACK);
-        Answers::Diagonal(axis, each_wavelength!(i, black, f(i)))
+    fn depolarizing_lanes<R: Real>(m00: [R; N]) -> Answers<R, N> {
+        Answers::Depolarizing(m00)
+    }
+    #[inline(always)]
+    fn diagonal_lanes<R: Real>(axis: V3<R>, elements: &[Elements<R>; N]) -> Answers<R, N> {
+        Answers::Diagonal(axis, *elements)
     }
     #[inline(always)]
     fn gathered<R: Real>(
         lanes: u32,
-        o: V3<R>,
-        i: V3<R>,
+        o: &[Vec3A; MOST],
+        i: &[Vec3A; MOST],
         mut f: impl FnMut(usize) -> MuellerResponse<N>,
     ) -> Answers<R, N> {
         let mut axes = [[Vec3A::X; MOST]; 2];
         let mut matrices = [[[[0.0; MOST]; 4]; 4]; N];
         each(lanes, |lane| {
-            let ([out, inward], matrix) = f(lane).whole(o.lane(lane), i.lane(lane));
+            let ([out, inward], matrix) = f(lane).whole(o[lane], i[lane]);
             axes[0][lane] = out;
             axes[1][lane] = inward;
             for (to, from) in matrices.iter_mut().zip(matrix) {
@@ -315,20 +349,21 @@ impl<const N: usize> Abreast for Polarized<N> {
             }
         }
         Answers::General(
-            V3::from_fn(|lane| axes[0][lane]),
-            V3::from_fn(|lane| axes[1][lane]),
+            V3::from_lanes(&axes[0]),
+            V3::from_lanes(&axes[1]),
             all,
         )
     }
     #[inline(always)]
-    fn map_lanes<R: Real>(
-        answer: Answers<R, N>,
-        turn: impl Fn(V3<R>) -> V3<R>,
-    ) -> Answers<R, N> {
+    fn to_world<R: Real>(answer: &Answers<R, N>, axes: &Axes<R>) -> Answers<R, N> {
         match answer {
-            Answers::Depolarizing(_) => answer,
-            Answers::Diagonal(axis, elements) => Answers::Diagonal(turn(axis), elements),
-            Answers::General(out, inward, m) => Answers::General(turn(out), turn(inward), m),
+            Answers::Depolarizing(_) => *answer,
+            Answers::Diagonal(axis, elements) => {
+                Answers::Diagonal(axes.to_world(*axis), *elements)
+            }
+            Answers::General(out, inward, m) => {
+                Answers::General(axes.to_world(*out), axes.to_world(*inward), *m)
+            }
         }
     }
     #[inline(always)]
@@ -354,7 +389,7 @@ impl<const N: usize> Abreast for Polarized<N> {
         let m = &throughput.matrices;
         match answer {
             Answers::Depolarizing(m00) => Throughputs {
-                axis: crate::lanes::Axes::around(i).s,
+                axis: Axes::around(i).s,
                 matrices: each_wavelength!(w, none, {
                     let mut matrix = none;
                     matrix[0] = scaled_vector(m[w][0], m00[w] * weight);
@@ -438,27 +473,6 @@ impl<const N: usize> Abreast for Polarized<N> {
     ) -> [[R; 4]; N] {
         let none = [R::zero(); 4];
         let m = &throughput.matrices;
-        // light in the frame that the matter answers in
-        let arriving = |axis: V3<R>| {
-            let mut all = [none; N];
-            match &light.state {
-                None => {
-                    for (w, to) in all.iter_mut().enumerate() {
-                        to[0] = light.radiance[w] * weight;
-                    }
-                }
-                Some((from, states)) => {
-                    let turn = double_angles(axis, *from, k_in);
-                    for (w, to) in all.iter_mut().enumerate() {
-                        let s0 = light.radiance[w] * weight;
-                        let state =
-                            [s0, states[0][w] * s0, states[1][w] * s0, states[2][w] * s0];
-                        *to = turned_vector(state, turn);
-                    }
-                }
-            }
-            all
-        };
         match answer {
             Answers::Depolarizing(m00) => each_wavelength!(
                 w,
@@ -480,7 +494,7 @@ impl<const N: usize> Abreast for Polarized<N> {
                         sum
                     });
                 }
-                let light = arriving(*axis);
+                let light = arriving(*axis, light, k_in, weight);
                 each_wavelength!(w, none, {
                     let (e, v) = (&elements[w], light[w]);
                     let after = [
@@ -494,7 +508,7 @@ impl<const N: usize> Abreast for Polarized<N> {
             }
             Answers::General(out, inward, matrices) => {
                 let turn = double_angles(throughput.axis, *out, k_out);
-                let light = arriving(*inward);
+                let light = arriving(*inward, light, k_in, weight);
                 each_wavelength!(w, none, {
                     let after = times_vector(&matrices[w], light[w]);
                     times_vector(&m[w], turned_vector(after, turn))
@@ -516,7 +530,7 @@ impl<const N: usize> Abreast for Polarized<N> {
     }
     #[inline(always)]
     fn lane<R: Real>(seen: &[[R; 4]; N], lane: usize) -> [Vec4; N] {
-        std::array::from_fn(|w| {
+        each_wavelength!(w, Vec4::ZERO, {
             let [a, b, c, d] = seen[w];
             vec4(a.lane(lane), b.lane(lane), c.lane(lane), d.lane(lane))
         })
@@ -568,27 +582,32 @@ impl<const N: usize> Abreast for Polarized<N> {
 
 impl<const N: usize> Abreast for Intensity<N> {
     type Values<R: Real> = [R; N];
+    type Diagonals<R: Real> = [Elements<R>; N];
     type Answers<R: Real> = [R; N];
     type Throughputs<R: Real> = [R; N];
     type Seen<R: Real> = [R; N];
 
     #[inline(always)]
-    fn values<R: Real>(f: impl Fn(usize) -> R) -> [R; N] {
-        each_wavelength!(i, R::zero(), f(i))
+    fn values<R: Real>(value: R) -> [R; N] {
+        [value; N]
     }
     #[inline(always)]
-    fn depolarizing_lanes<R: Real>(f: impl Fn(usize) -> R) -> [R; N] {
-        Self::values(f)
+    fn diagonals<R: Real>(element: Elements<R>) -> [Elements<R>; N] {
+        [element; N]
     }
     #[inline(always)]
-    fn diagonal_lanes<R: Real>(_: V3<R>, f: impl Fn(usize) -> Elements<R>) -> [R; N] {
-        each_wavelength!(i, R::zero(), f(i).mean)
+    fn depolarizing_lanes<R: Real>(m00: [R; N]) -> [R; N] {
+        m00
+    }
+    #[inline(always)]
+    fn diagonal_lanes<R: Real>(_: V3<R>, elements: &[Elements<R>; N]) -> [R; N] {
+        each_wavelength!(i, R::zero(), elements[i].mean)
     }
     #[inline(always)]
     fn gathered<R: Real>(
         lanes: u32,
-        _: V3<R>,
-        _: V3<R>,
+        _: &[Vec3A; MOST],
+        _: &[Vec3A; MOST],
         mut f: impl FnMut(usize) -> [f32; N],
     ) -> [R; N] {
         let mut all = [[0.0; MOST]; N];
@@ -600,8 +619,8 @@ impl<const N: usize> Abreast for Intensity<N> {
         each_wavelength!(w, R::zero(), R::from_fn(|lane| all[w][lane]))
     }
     #[inline(always)]
-    fn map_lanes<R: Real>(answer: [R; N], _: impl Fn(V3<R>) -> V3<R>) -> [R; N] {
-        answer
+    fn to_world<R: Real>(answer: &[R; N], _: &Axes<R>) -> [R; N] {
+        *answer
     }
     #[inline(always)]
     fn beginning<R: Real>(_: V3<R>) -> [R; N] {
@@ -657,7 +676,7 @@ impl<const N: usize> Abreast for Intensity<N> {
     }
     #[inline(always)]
     fn lane<R: Real>(seen: &[R; N], lane: usize) -> [Vec4; N] {
-        std::array::from_fn(|w| vec4(seen[w].lane(lane), 0.0, 0.0, 0.0))
+        each_wavelength!(w, Vec4::ZERO, vec4(seen[w].lane(lane), 0.0, 0.0, 0.0))
     }
     #[inline(always)]
     fn strengths<R: Real>(throughput: &[R; N]) -> R {

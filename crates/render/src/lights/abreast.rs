@@ -55,9 +55,9 @@ pub struct Chances<R: Real> {
 }
 
 impl Lights {
-    /// The chances of all sources; lanes outside `lanes` mean nothing.
+    /// The chances of all sources.
     #[inline(always)]
-    pub fn chances<R: Real>(&self, from: V3<R>, lanes: R::M) -> Chances<R> {
+    pub fn chances<R: Real>(&self, from: V3<R>) -> Chances<R> {
         let mut chances = Chances {
             count: self.count,
             each: [R::one(); MOST],
@@ -67,9 +67,7 @@ impl Lights {
             return chances;
         }
         if self.count > MOST || !self.beams.is_empty() {
-            let mut positions = [Vec3A::ZERO; MOST];
-            each(lanes.bits(), |lane| positions[lane] = from.lane(lane));
-            chances.from = Some(positions);
+            chances.from = Some(from.lanes());
             return chances;
         }
         let even = R::splat((self.count as f32).recip());
@@ -131,8 +129,9 @@ impl<R: Real> Chances<R> {
         }
         if let Some(from) = &self.from {
             let mut chances = [1.0; MOST];
+            let u = u.lanes();
             each(lanes.bits(), |lane| {
-                if let Some(drawn) = lights.choose(emitters, from[lane], u.lane(lane)) {
+                if let Some(drawn) = lights.choose(emitters, from[lane], u[lane]) {
                     (numbers[lane], chances[lane]) = drawn;
                 }
             });

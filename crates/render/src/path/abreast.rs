@@ -131,11 +131,11 @@ impl<R: Real> Vertices<R> {
     /// Seen by matter whose normal is on the other side.
     #[inline(always)]
     fn turned(&self) -> Self {
-        let turn = |v: V3<R>| V3::new(v.x, -v.y, -v.z);
+        let (o, axis) = (self.o, self.sights.axis);
         let mut turned = *self;
-        turned.o = turn(self.o);
+        turned.o = V3::new(o.x, -o.y, -o.z);
         turned.axes = self.axes.flipped_where(R::everywhere());
-        turned.sights.axis = turn(self.sights.axis);
+        turned.sights.axis = V3::new(axis.x, -axis.y, -axis.z);
         turned
     }
 }
@@ -148,29 +148,42 @@ fn either<R: Real, L: Abreast>(
     b: &Shine<L::Values<R>, R>,
     k: V3<R>,
 ) -> Shine<L::Values<R>, R> {
-    let select = |a: &L::Values<R>, b: &L::Values<R>| {
-        L::values(|w| R::select(mask, a.as_ref()[w], b.as_ref()[w]))
+    let radiance = select::<R, L>(mask, &a.radiance, &b.radiance);
+    let none = (Axes::around(k).s, [L::values(R::zero()); 3]);
+    let ((axis_a, a), (axis_b, b)) = match (a.state, b.state) {
+        (None, None) => {
+            return Shine {
+                radiance,
+                state: None,
+            };
+        }
+        (Some(a), None) => (a, none),
+        (None, Some(b)) => (none, b),
+        (Some(a), Some(b)) => (a, b),
     };
-    let state = (a.state.is_some() || b.state.is_some()).then(|| {
-        let whole = |shine: &Shine<L::Values<R>, R>| {
-            shine
-                .state
-                .unwrap_or_else(|| (Axes::around(k).s, [L::values(|_| R::zero()); 3]))
-        };
-        let ((axis_a, a), (axis_b, b)) = (whole(a), whole(b));
-        (
-            V3::select(mask, axis_a, axis_b),
-            [
-                select(&a[0], &b[0]),
-                select(&a[1], &b[1]),
-                select(&a[2], &b[2]),
-            ],
-        )
-    });
+    let states = [
+        select::<R, L>(mask, &a[0], &b[0]),
+        select::<R, L>(mask, &a[1], &b[1]),
+        select::<R, L>(mask, &a[2], &b[2]),
+    ];
     Shine {
-        radiance: select(&a.radiance, &b.radiance),
-        state,
+        radiance,
+        state: Some((V3::select(mask, axis_a, axis_b), states)),
     }
+}
+
+/// `a` where the mask holds, elsewhere `b`.
+#[inline(always)]
+fn select<R: Real, L: Abreast>(
+    mask: R::M,
+    a: &L::Values<R>,
+    b: &L::Values<R>,
+) -> L::Values<R> {
+    let mut chosen = *b;
+    for (to, a) in chosen.as_mut().iter_mut().zip(a.as_ref()) {
+        *to = R::select(mask, *a, *to);
+    }
+    chosen
 }
 
 /// Light that vertices look for.
@@ -214,12 +227,12 @@ impl<R: Real, L: Abreast> Paths<R, L> {
         }
         let dimension = R::B::splat(FIRST_VERTEX)
             + R::B::splat(PER_VERTEX) * ((self.depth - R::one()).to_int());
-        let pair = |of: u32| self.stream.pairs(dimension + R::B::splat(of));
+        let stream = self.stream;
 
         // end weak paths: those that no light can make strong at the sensor
         let long = alive & self.depth.gt(R::splat(options.rr_depth as f32));
         if long.any() {
-            let [roulette, _] = pair(ROULETTE);
+            let [roulette, _] = stream.pairs(dimension + R::B::splat(ROULETTE));
             let reach = L::reaches(&self.throughput);
             let survival = (reach * self.eta * self.eta).min(R::splat(0.95));
             alive = alive & !(long & roulette.ge(survival));
@@ -245,13 +258,16 @@ impl<R: Real, L: Abreast> Paths<R, L> {
         };
         vertices.sights.axis = axes.to_local(vertices.sights.axis);
 
-        let [choice, drawn] = pair(CHOICES);
-        let [u, v] = pair(DIRECTION);
+        let [choice, drawn] = stream.pairs(dimension + R::B::splat(CHOICES));
+        let [u, v] = stream.pairs(dimension + R::B::splat(DIRECTION));
         let scattering =
             R::M::from_bits(lanes_of(scene, &met.materials, alive.bits(), |t| !t.discrete));
-        let looked = (scattering.any() && !scene.emitters.is_empty()).then(|| {
-            self.look(scene, &surfaces, &lit, (choice, pair(POINT)), scattering)
-        });
+        let looked = if scattering.any() && !scene.emitters.is_empty() {
+            let point = stream.pairs(dimension + R::B::splat(POINT));
+            self.look(scene, &surfaces, &lit, (choice, point), scattering)
+        } else {
+            None
+        };
         let on = !(R::splat(if scene.emitters_are_unmet() { 1.0 } else { 0.0 })
             .gt(R::zero())
             & (self.depth + R::one()).ge(last));
@@ -281,7 +297,7 @@ impl<R: Real, L: Abreast> Paths<R, L> {
                             material.answer::<R, L>(&at, i, &self.wavelengths, ask);
                         let lit = ask & own.gt(R::zero());
                         if lit.any() {
-                            let answers = L::map_lanes(answers, |v| at.axes.to_world(v));
+                            let answers = L::to_world(&answers, &at.axes);
                             let share = power_heuristic(looked.density, own);
                             let share = R::select(found.discrete, R::one(), share);
                             let weight = share * found.weight / looked.density;
@@ -316,7 +332,7 @@ impl<R: Real, L: Abreast> Paths<R, L> {
                 let way =
                     material.depart::<R, L>(&at, &self.wavelengths, [drawn, u, v], lanes);
                 let goes = lanes & way.exist;
-                let answers = L::map_lanes(way.answers, |v| at.axes.to_world(v));
+                let answers = L::to_world(&way.answers, &at.axes);
                 let i = at.axes.to_world(way.direction);
                 let weight = way.density.recip();
                 let longer = L::extended(&self.throughput, &answers, weight, o_world, i);
@@ -438,7 +454,7 @@ impl<R: Real, L: Abreast> Paths<R, L> {
                 } else {
                     emitter.densities_of_hits(scene, self.origin, &met.surfaces, weighed)
                 };
-                let chances = scene.lights.chances(self.origin, weighed);
+                let chances = scene.lights.chances(self.origin);
                 let chance = chances.of(&scene.lights, &scene.emitters, number, weighed);
                 let share_there = power_heuristic(self.density, density * chance);
                 share = R::select(weighed, share_there, share);
@@ -458,8 +474,8 @@ impl<R: Real, L: Abreast> Paths<R, L> {
         lit: &Axes<R>,
         (choice, u): (R, [R; 2]),
         lanes: R::M,
-    ) -> Looked<R, L::Values<R>> {
-        let chances = scene.lights.chances(at.position, lanes);
+    ) -> Option<Looked<R, L::Values<R>>> {
+        let chances = scene.lights.chances(at.position);
         let (numbers, chance) = chances.draw(&scene.lights, &scene.emitters, choice, lanes);
         let mut all: Option<Looked<R, L::Values<R>>> = None;
         for (number, group) in groups(&numbers, lanes.bits()) {
@@ -480,30 +496,18 @@ impl<R: Real, L: Abreast> Paths<R, L> {
             all = Some(match all {
                 None => looked,
                 Some(before) => {
-                    let (a, b) = (&looked.connections, &before.connections);
-                    let v = |a, b| V3::select(mask, a, b);
-                    let r = |a, b| R::select(mask, a, b);
-                    let m = |a: R::M, b: R::M| (a & mask) | (b & !mask);
-                    let direction = v(a.direction, b.direction);
+                    let connections =
+                        Connections::select(mask, &looked.connections, &before.connections);
+                    let k = -connections.direction;
                     Looked {
-                        connections: Connections {
-                            exist: m(a.exist, b.exist),
-                            direction,
-                            position: v(a.position, b.position),
-                            error: v(a.error, b.error),
-                            normal: v(a.normal, b.normal),
-                            near: m(a.near, b.near),
-                            density: r(a.density, b.density),
-                            discrete: m(a.discrete, b.discrete),
-                            weight: r(a.weight, b.weight),
-                        },
-                        density: r(looked.density, before.density),
-                        shine: either::<R, L>(mask, &looked.shine, &before.shine, -direction),
+                        connections,
+                        density: R::select(mask, looked.density, before.density),
+                        shine: either::<R, L>(mask, &looked.shine, &before.shine, k),
                     }
                 }
             });
         }
-        all.unwrap_or_else(|| unreachable!("there is a lane"))
+        all
     }
 
     /// Lengthens throughputs by the flat matter on the way to a source, and says where nothing else stands there.
@@ -549,7 +553,7 @@ impl<R: Real, L: Abreast> Paths<R, L> {
                     }
                     let at = if back { vertices.turned() } else { vertices };
                     let answers = material.pass::<R, L>(&at, &self.wavelengths, lanes);
-                    let answers = L::map_lanes(answers, |v| at.axes.to_world(v));
+                    let answers = L::to_world(&answers, &at.axes);
                     let longer =
                         L::extended(through, &answers, R::one(), -direction, direction);
                     *through = L::select(lanes, &longer, through);

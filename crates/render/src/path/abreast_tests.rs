@@ -54,7 +54,7 @@ impl Task for Samples<'_> {
                     t_max: R::splat(f32::INFINITY),
                 },
                 axes: V3::from_fn(|lane| rays[lane].1),
-                wavelengths: <Polarized<1> as Abreast>::values(|_| R::splat(550.0)),
+                wavelengths: <Polarized<1> as Abreast>::values(R::splat(550.0)),
                 stream,
                 lanes: R::M::from_bits((1 << R::LANES) - 1),
             };

@@ -16,7 +16,7 @@ pub const LARGEST_BLOCK: u64 = 256;
 /// Eight digits, the other way round.
 #[inline(always)]
 fn reversed<B: Bits>(x: B) -> B {
-    let [four, two, one] = [0x0f, 0x33, 0x55].map(B::splat);
+    let (four, two, one) = (B::splat(0x0f), B::splat(0x33), B::splat(0x55));
     let x = (x & four).shl::<4>() | (x.shr::<4>() & four);
     let x = (x & two).shl::<2>() | (x.shr::<2>() & two);
     (x & one).shl::<1>() | (x.shr::<1>() & one)

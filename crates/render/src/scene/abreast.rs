@@ -64,6 +64,22 @@ impl Iterator for Groups<'_> {
     }
 }
 
+/// Position, error, normal and frame, one by one.
+#[inline(always)]
+fn gathered<R: Real>(vectors: &[[Vec3A; MOST]; 6]) -> Surfaces<R> {
+    let [position, error, normal, s, t, n] = vectors;
+    Surfaces {
+        position: V3::from_lanes(position),
+        error: V3::from_lanes(error),
+        normal: V3::from_lanes(normal),
+        axes: Axes {
+            s: V3::from_lanes(s),
+            t: V3::from_lanes(t),
+            n: V3::from_lanes(n),
+        },
+    }
+}
+
 impl Scene {
     /// The nearest surfaces along rays.
     #[inline(always)]
@@ -75,8 +91,9 @@ impl Scene {
         let mut materials = [0; MOST];
         let mut emitters = [NONE; MOST];
         let mut vectors = [[Vec3A::Z; MOST]; 6];
+        let rays = rays.lanes();
         each(lanes.bits(), |lane| {
-            if let Some(met) = self.intersect(&rays.lane(lane), stack) {
+            if let Some(met) = self.intersect(&rays[lane], stack) {
                 exist |= 1 << lane;
                 materials[lane] = met.owner.material;
                 emitters[lane] = met.owner.emitter.unwrap_or(NONE);
@@ -87,19 +104,9 @@ impl Scene {
                 }
             }
         });
-        let v = |k: usize| V3::from_fn(|lane| vectors[k][lane]);
         Encounters {
             exist: R::M::from_bits(exist),
-            surfaces: Surfaces {
-                position: v(0),
-                error: v(1),
-                normal: v(2),
-                axes: Axes {
-                    s: v(3),
-                    t: v(4),
-                    n: v(5),
-                },
-            },
+            surfaces: gathered(&vectors),
             materials,
             emitters,
         }
@@ -121,8 +128,9 @@ impl Scene {
             return free;
         }
         let mut free = 0;
+        let rays = rays.lanes();
         each(lanes.bits(), |lane| {
-            free |= u32::from(self.is_free(&rays.lane(lane), stack)) << lane;
+            free |= u32::from(self.is_free(&rays[lane], stack)) << lane;
         });
         R::M::from_bits(free)
     }
@@ -142,8 +150,9 @@ impl Scene {
             _ => {
                 let mut found = [Vec3A::ZERO; MOST];
                 let mut exist = 0;
+                let (rays, t_max) = (rays.lanes(), t_max.lanes());
                 each(lanes.bits(), |lane| {
-                    if let Some(hit) = shape.intersect(&rays.lane(lane), t_max.lane(lane)) {
+                    if let Some(hit) = shape.intersect(&rays[lane], t_max[lane]) {
                         exist |= 1 << lane;
                         found[lane] = hit;
                     }
@@ -197,25 +206,15 @@ impl Scene {
                 Shape::Sphere(s) => s.surfaces(rays, t),
                 shape => {
                     let mut vectors = [[Vec3A::Z; MOST]; 6];
+                    let (rays, t, u, v) = (rays.lanes(), t.lanes(), u.lanes(), v.lanes());
                     each(group, |lane| {
-                        let hit = (t.lane(lane), u.lane(lane), v.lane(lane));
-                        let s = shape.surface(&rays.lane(lane), hit);
+                        let s = shape.surface(&rays[lane], (t[lane], u[lane], v[lane]));
                         let all = [s.position, s.error, s.normal, s.frame.s, s.frame.t, s.frame.n];
                         for (to, v) in vectors.iter_mut().zip(all) {
                             to[lane] = v;
                         }
                     });
-                    let v = |k: usize| V3::from_fn(|lane| vectors[k][lane]);
-                    Surfaces {
-                        position: v(0),
-                        error: v(1),
-                        normal: v(2),
-                        axes: Axes {
-                            s: v(3),
-                            t: v(4),
-                            n: v(5),
-                        },
-                    }
+                    gathered(&vectors)
                 }
             };
             surfaces = Surfaces::select(mask, &found, &surfaces);

@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3A};
 use super::rectangle::{FAR, LOW, Rectangle};
 use super::sphere::Sphere;
 use crate::geometry::ray::Ray;
-use crate::lanes::{Axes, Bits, Double, Mask, Real, V3, atan2, sin_cos_turns};
+use crate::lanes::{Axes, Bits, Double, MOST, Mask, Real, V3, atan2, sin_cos_turns};
 
 /// A [`Ray`] a lane.
 #[derive(Clone, Copy, Debug)]
@@ -21,14 +21,22 @@ pub struct Rays<R> {
 }
 
 impl<R: Real> Rays<R> {
-    /// One of them.
+    /// One by one.
     #[inline(always)]
-    pub fn lane(&self, lane: usize) -> Ray {
-        Ray {
-            origin: self.origin.lane(lane),
-            direction: self.direction.lane(lane),
-            t_max: self.t_max.lane(lane),
+    pub fn lanes(&self) -> [Ray; MOST] {
+        let (origin, direction) = (self.origin.lanes(), self.direction.lanes());
+        let t_max = self.t_max.lanes();
+        let mut all = [Ray {
+            origin: Vec3A::ZERO,
+            direction: Vec3A::Z,
+            t_max: 0.0,
+        }; MOST];
+        for (lane, ray) in all.iter_mut().enumerate() {
+            ray.origin = origin[lane];
+            ray.direction = direction[lane];
+            ray.t_max = t_max[lane];
         }
+        all
     }
 }
 
@@ -215,6 +223,10 @@ impl<D: Double> Wide<D> {
         Self([D::splat(v.x), D::splat(v.y), D::splat(v.z)])
     }
     #[inline(always)]
+    fn along(self, v: Vec3A) -> D {
+        self.dot(Self::splat(v.as_dvec3()))
+    }
+    #[inline(always)]
     fn minus(self, o: Self) -> Self {
         Self([self.0[0] - o.0[0], self.0[1] - o.0[1], self.0[2] - o.0[2]])
     }
@@ -364,6 +376,40 @@ struct Seen<R: Real> {
     known: R::M,
 }
 
+/// Both sides of an edge, from the foot of the perpendicular.
+#[inline(always)]
+fn sides<D: Double>(half: f64, foot: D) -> [D; 2] {
+    [D::splat(-half) - foot, D::splat(half) - foot]
+}
+
+/// A corner as a complex number.
+#[inline(always)]
+fn corner<D: Double>(h: D, x: D, y: D) -> [D; 2] {
+    [h * (h * h + x * x + y * y).sqrt(), x * y]
+}
+
+/// −a b* of complex numbers.
+#[inline(always)]
+fn minus_product<D: Double>(a: [D; 2], b: [D; 2]) -> [D; 2] {
+    [-(a[0] * b[0] + a[1] * b[1]), a[0] * b[1] - a[1] * b[0]]
+}
+
+/// A place from the middle as a parameter in [0, 1].
+#[inline(always)]
+fn share<R: Real>(along: R::D, half: f32) -> R {
+    let half = R::D::splat(0.5 / f64::from(half));
+    (R::D::splat(0.5) + half * along)
+        .max(R::D::splat(0.0))
+        .min(R::D::splat(1.0))
+        .narrow()
+}
+
+/// y/√(across + y²).
+#[inline(always)]
+fn sine<D: Double>(y: D, across: D) -> D {
+    y / (across + y * y).sqrt()
+}
+
 impl Rectangle {
     /// Three of its corners, as the search tree knows it.
     #[inline(always)]
@@ -403,26 +449,20 @@ impl Rectangle {
         }
         let [a, b] = self.half.map(f64::from);
         let to = Wide::<R::D>::of(from).minus(Wide::splat(self.centre.as_dvec3()));
-        let along = |v: Vec3A| to.dot(Wide::splat(v.as_dvec3()));
-        let height = along(self.frame.n);
+        let height = to.along(self.frame.n);
         let height = height.max(-height);
         let least = LOW * LOW * f64::from(squared);
         let high = (R::D::splat(least) - height * height).is_negative();
         let foot = [
-            along(self.half_u) * R::D::splat(a.recip()),
-            along(self.half_v) * R::D::splat(b.recip()),
+            to.along(self.half_u) * R::D::splat(a.recip()),
+            to.along(self.half_v) * R::D::splat(b.recip()),
         ];
-        let sides = |half: f64, foot: R::D| [R::D::splat(-half) - foot, R::D::splat(half) - foot];
-        let (x, y) = (sides(a, foot[0]), sides(b, foot[1]));
-        let h2 = height * height;
-        let corner = |x: R::D, y: R::D| [height * (h2 + x * x + y * y).sqrt(), x * y];
-        // products of complex numbers; the second conjugate
-        let times = |a: [R::D; 2], b: [R::D; 2]| {
-            [a[0] * b[0] + a[1] * b[1], a[1] * b[0] - a[0] * b[1]]
-        };
-        let minus = |a: [R::D; 2]| [-a[0], -a[1]];
-        let start = minus(times(corner(x[0], y[1]), corner(x[0], y[0])));
-        let whole = times(minus(times(corner(x[1], y[1]), corner(x[1], y[0]))), start);
+        let (x, y) = (sides::<R::D>(a, foot[0]), sides::<R::D>(b, foot[1]));
+        let h = height;
+        let start = minus_product(corner(h, x[0], y[1]), corner(h, x[0], y[0]));
+        let end = minus_product(corner(h, x[1], y[1]), corner(h, x[1], y[0]));
+        // of complex numbers; the second conjugate, so that the sign goes
+        let whole = minus_product([-end[0], -end[1]], start);
         let size = (whole[0] * whole[0] + whole[1] * whole[1]).sqrt();
         let solid_angle = atan2((whole[1] / size).narrow(), (whole[0] / size).narrow());
         let under = x[0].is_negative()
@@ -450,15 +490,8 @@ impl Rectangle {
         let seen = self.seen_from(from);
         if let Some(seen) = &seen {
             let [x, y] = seen.points([u, v]);
-            let share = |at: R::D, foot: R::D, half: f32| {
-                let along = (at + foot) * R::D::splat(f64::from(half).recip());
-                (R::D::splat(0.5) + R::D::splat(0.5) * along)
-                    .max(R::D::splat(0.0))
-                    .min(R::D::splat(1.0))
-                    .narrow()
-            };
-            at_u = R::select(seen.known, share(x, seen.foot[0], self.half[0]), u);
-            at_v = R::select(seen.known, share(y, seen.foot[1], self.half[1]), v);
+            at_u = R::select(seen.known, share::<R>(x + seen.foot[0], self.half[0]), u);
+            at_v = R::select(seen.known, share::<R>(y + seen.foot[1], self.half[1]), v);
         }
         let at = self.surfaces(at_u, at_v);
         let by_area = area_densities(self.area(), from, at.position, at.normal);
@@ -510,8 +543,7 @@ impl<R: Real> Seen<R> {
         let x = h * phi[1] * sign / rest.max(zero).sqrt();
         let x = x.max(x0).min(x1);
         let across = h2 + x * x;
-        let g = |y: R::D| y / (across + y * y).sqrt();
-        let (g0, g1) = (g(y0), g(y1));
+        let (g0, g1) = (sine(y0, across), sine(y1, across));
         let g = g0 + R::D::wide(v) * (g1 - g0);
         let y = g * (across / (R::D::splat(1.0) - g * g).max(zero)).sqrt();
         [x, y.max(y0).min(y1)]

@@ -17,6 +17,7 @@ use super::{Departure, Material, Matter, Part, Vertex};
 use crate::coherence::Coherence;
 use crate::geometry::frame::Frame;
 use crate::lanes::{Axes, MOST, Mask, Real, V3, each, sin_cos_turns};
+use crate::light::Sight;
 use crate::light::abreast::{Abreast, Sights};
 use crate::spectrum::Spectrum;
 
@@ -34,20 +35,32 @@ pub struct Vertices<R> {
 }
 
 impl<R: Real> Vertices<R> {
-    /// One of them.
+    /// One by one.
     #[inline(always)]
-    fn lane(&self, lane: usize) -> Vertex {
-        Vertex {
-            o: self.o.lane(lane),
-            position: self.position.lane(lane),
+    fn lanes(&self) -> [Vertex; MOST] {
+        let (o, position) = (self.o.lanes(), self.position.lanes());
+        let axes = [self.axes.s.lanes(), self.axes.t.lanes(), self.axes.n.lanes()];
+        let sights = self.sights.lanes();
+        let mut all = [Vertex {
+            o: Vec3A::Z,
+            position: Vec3A::ZERO,
             frame: Frame {
-                s: self.axes.s.lane(lane),
-                t: self.axes.t.lane(lane),
-                n: self.axes.n.lane(lane),
+                s: Vec3A::X,
+                t: Vec3A::Y,
+                n: Vec3A::Z,
             },
             viewer_distance: f32::INFINITY,
-            sight: self.sights.lane(lane),
+            sight: Sight::BLIND,
+        }; MOST];
+        for (lane, vertex) in all.iter_mut().enumerate() {
+            vertex.o = o[lane];
+            vertex.position = position[lane];
+            vertex.frame.s = axes[0][lane];
+            vertex.frame.t = axes[1][lane];
+            vertex.frame.n = axes[2][lane];
+            vertex.sight = sights[lane];
         }
+        all
     }
 }
 
@@ -185,11 +198,12 @@ impl Material {
         part: Part,
     ) -> (L::Answers<R>, R) {
         let waves = lane_wavelengths::<R, L>(wavelengths);
+        let (vertices, o, i) = (at.lanes(), at.o.lanes(), i.lanes());
         let mut densities = [0.0; MOST];
-        let answers = L::gathered(lanes.bits(), at.o, i, |lane| {
+        let answers = L::gathered(lanes.bits(), &o, &i, |lane| {
             let (response, density) = self.respond::<L>(
-                &at.lane(lane),
-                i.lane(lane),
+                &vertices[lane],
+                i[lane],
                 part,
                 &waves[lane][..L::LANES],
                 &Coherence::PLANE_WAVE,
@@ -209,36 +223,39 @@ impl Material {
         lanes: R::M,
     ) -> Departures<R, L::Answers<R>> {
         let waves = lane_wavelengths::<R, L>(wavelengths);
+        let (vertices, o) = (at.lanes(), at.o.lanes());
+        let numbers = [u[0].lanes(), u[1].lanes(), u[2].lanes()];
         let mut drawn = [None::<Departure>; MOST];
-        let mut exist = 0;
+        let mut directions = [Vec3A::Z; MOST];
+        let (mut density, mut eta) = ([1.0; MOST], [1.0; MOST]);
+        let (mut exist, mut continuous, mut straight) = (0, 0, 0);
         each(lanes.bits(), |lane| {
-            let numbers = u.map(|u| u.lane(lane));
-            drawn[lane] = self.sample(&at.lane(lane), &waves[lane][..L::LANES], numbers);
-            exist |= u32::from(drawn[lane].is_some()) << lane;
+            let numbers = [numbers[0][lane], numbers[1][lane], numbers[2][lane]];
+            let way = self.sample(&vertices[lane], &waves[lane][..L::LANES], numbers);
+            if let Some(way) = &way {
+                exist |= 1 << lane;
+                continuous |= u32::from(way.part == Part::Continuous) << lane;
+                straight |= u32::from(way.part == Part::Straight) << lane;
+                directions[lane] = way.direction;
+                density[lane] = way.density;
+                eta[lane] = way.eta;
+            }
+            drawn[lane] = way;
         });
-        let of = |f: fn(&Departure) -> f32| R::from_fn(|lane| drawn[lane].as_ref().map_or(1.0, f));
-        let part = |wanted: Part| {
-            let mut bits = 0;
-            each(exist, |lane| {
-                bits |= u32::from(drawn[lane].is_some_and(|d| d.part == wanted)) << lane;
-            });
-            R::M::from_bits(bits)
-        };
-        let direction = V3::from_fn(|lane| drawn[lane].map_or(Vec3A::Z, |d| d.direction));
-        let answers = L::gathered(exist, at.o, direction, |lane| {
-            let (i, part) =
-                drawn[lane].map_or((Vec3A::Z, Part::Straight), |d| (d.direction, d.part));
+        let answers = L::gathered(exist, &o, &directions, |lane| {
+            let part = drawn[lane].map_or(Part::Straight, |way| way.part);
             let waves = &waves[lane][..L::LANES];
-            self.respond::<L>(&at.lane(lane), i, part, waves, &Coherence::PLANE_WAVE)
+            let (at, i) = (&vertices[lane], directions[lane]);
+            self.respond::<L>(at, i, part, waves, &Coherence::PLANE_WAVE)
                 .0
         });
         Departures {
             exist: R::M::from_bits(exist),
-            direction,
-            density: of(|d| d.density),
-            continuous: part(Part::Continuous),
-            straight: part(Part::Straight),
-            eta: of(|d| d.eta),
+            direction: V3::from_lanes(&directions),
+            density: R::from_fn(|lane| density[lane]),
+            continuous: R::M::from_bits(continuous),
+            straight: R::M::from_bits(straight),
+            eta: R::from_fn(|lane| eta[lane]),
             answers,
         }
     }
@@ -306,10 +323,10 @@ impl Diffuse {
     ) -> (L::Answers<R>, R) {
         let lit = at.o.z.gt(R::zero()) & i.z.gt(R::zero());
         let density = (i.z * R::splat(FRAC_1_PI)).only(lit);
-        let waves = wavelengths.as_ref();
-        (
-            L::depolarizing_lanes(|w| values(self.reflectance(), waves[w]) * density),
-            density,
-        )
+        let mut m00 = *wavelengths;
+        for value in m00.as_mut() {
+            *value = values(self.reflectance(), *value) * density;
+        }
+        (L::depolarizing_lanes(m00), density)
     }
 }

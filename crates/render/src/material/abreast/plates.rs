@@ -26,16 +26,17 @@ impl Polarizer {
         at: &Vertices<R>,
         wavelengths: &L::Values<R>,
     ) -> L::Answers<R> {
-        let waves = wavelengths.as_ref();
         let element = Elements::splat(self.element());
+        let mut elements = L::diagonals(element);
+        for (to, wave) in elements.as_mut().iter_mut().zip(wavelengths.as_ref()) {
+            *to = element.scaled(values(self.transmittance(), *wave));
+        }
         let axis = match self.absorbing_axis() {
             // perpendicular to the ray and to the absorbing axis
             Some(axis) => at.o.cross(projected(V3::splat(axis), at.o)),
             None => Axes::around(at.o).s,
         };
-        L::diagonal_lanes(axis, |w| {
-            element.scaled(values(self.transmittance(), waves[w]))
-        })
+        L::diagonal_lanes(axis, &elements)
     }
 }
 
@@ -46,28 +47,28 @@ impl Retarder {
         at: &Vertices<R>,
         wavelengths: &L::Values<R>,
     ) -> L::Answers<R> {
-        let waves = wavelengths.as_ref();
         let (sin, cos) = self.theta().sin_cos();
         let u = projected(V3::splat(Vec3A::X), at.o);
         // the second axis on the wavefront is the one on the side of V, whichever way the light goes
         let v = at.o.cross(u) * R::one().copysign(at.o.z);
         let axis = u * R::splat(cos as f32) + v * R::splat(sin as f32);
         let [delta, transmittance] = self.spectra();
-        L::diagonal_lanes(axis, |w| {
-            let turns = values(delta, waves[w]) * at.o.z.abs() * R::splat(1.0 / 360.0);
+        let mut elements = L::diagonals(Elements::splat(Element::BLACK));
+        for (to, wave) in elements.as_mut().iter_mut().zip(wavelengths.as_ref()) {
+            let turns = values(delta, *wave) * at.o.z.abs() * R::splat(1.0 / 360.0);
             // whole turns do nothing
-            let turns = turns - (turns - R::splat(0.5)).round();
-            let turns = turns - R::select(turns.gt(R::one()), R::one(), R::zero());
-            let turns = turns + R::select(turns.lt(R::zero()), R::one(), R::zero());
+            let turns = turns - turns.round();
+            let turns = turns + R::one().only(turns.lt(R::zero()));
             let (sine, cosine) = sin_cos_turns(turns);
-            Elements {
+            *to = Elements {
                 mean: R::one(),
                 difference: R::zero(),
                 cosine,
                 sine,
             }
-            .scaled(values(transmittance, waves[w]))
-        })
+            .scaled(values(transmittance, *wave));
+        }
+        L::diagonal_lanes(axis, &elements)
     }
 }
 
@@ -80,6 +81,6 @@ impl Null {
             cosine: 1.0,
             sine: 0.0,
         });
-        L::diagonal_lanes(Axes::around(at.o).s, |_| nothing)
+        L::diagonal_lanes(Axes::around(at.o).s, &L::diagonals(nothing))
     }
 }

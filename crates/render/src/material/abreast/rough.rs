@@ -6,7 +6,8 @@ use super::super::microfacet::{Kind, Microfacets};
 use super::super::roughconductor::RoughConductor;
 use super::{Departures, Vertices, axes_s, mirrored};
 use crate::lanes::{Mask, Real, V3, acos, exp, ln, sin_cos_turns};
-use crate::light::abreast::Abreast;
+use crate::light::Element;
+use crate::light::abreast::{Abreast, Elements};
 
 impl RoughConductor {
     #[inline(always)]
@@ -24,7 +25,10 @@ impl RoughConductor {
         let (weight, density) = facets.mirrored(at.o, i, m);
         let exist = front & i.z.gt(R::zero()) & density.gt(R::zero());
         let cos = i.dot(m).min(R::one());
-        let waves = wavelengths.as_ref();
+        let mut elements = L::diagonals(Elements::splat(Element::BLACK));
+        for (to, wave) in elements.as_mut().iter_mut().zip(wavelengths.as_ref()) {
+            *to = self.metal().reflections(cos, *wave).scaled(weight);
+        }
         Departures {
             exist,
             direction: i,
@@ -32,9 +36,7 @@ impl RoughConductor {
             continuous: exist,
             straight: R::nowhere(),
             eta: R::one(),
-            answers: L::diagonal_lanes(axes_s(m, i), |w| {
-                self.metal().reflections(cos, waves[w]).scaled(weight)
-            }),
+            answers: L::diagonal_lanes(axes_s(m, i), &elements),
         }
     }
 
@@ -50,11 +52,11 @@ impl RoughConductor {
         let h = (at.o + i).normalize();
         let (weight, density) = facets.mirrored(at.o, i, h);
         let cos = i.dot(h).min(R::one());
-        let waves = wavelengths.as_ref();
-        let answers = L::diagonal_lanes(axes_s(h, i), |w| {
-            self.metal().reflections(cos, waves[w]).scaled(weight)
-        });
-        (answers, density.only(lit))
+        let mut elements = L::diagonals(Elements::splat(Element::BLACK));
+        for (to, wave) in elements.as_mut().iter_mut().zip(wavelengths.as_ref()) {
+            *to = self.metal().reflections(cos, *wave).scaled(weight);
+        }
+        (L::diagonal_lanes(axes_s(h, i), &elements), density.only(lit))
     }
 }
 
@@ -194,17 +196,21 @@ impl<R: Real> Facets<R> {
     }
 }
 
+/// F of `visible_slope`.
+#[inline(always)]
+fn cumulative<R: Real>(cos: R, sin: R, b: R, x: R) -> R {
+    let half_root_pi = R::splat(0.5 * FRAC_1_PI.sqrt());
+    R::splat(0.5) * cos * (R::one() + b) + sin * half_root_pi * exp(-(x * x))
+}
+
 /// See `visible_slope` in `microfacet/gaussian.rs`: the same Newton steps, until all lanes are there.
 #[inline(always)]
 fn visible_slope<R: Real>(cos: R, sin: R, u: R, lanes: R::M) -> R {
     let (one, half) = (R::one(), R::splat(0.5));
-    let half_root_pi = R::splat(0.5 * FRAC_1_PI.sqrt());
     let flat = sin.lt(R::splat(1e-4));
-    let cumulative =
-        |b: R, x: R| half * cos * (one + b) + sin * half_root_pi * exp(-(x * x));
     let cot = cos / sin.max(R::splat(1e-4));
     let b_max = one - exp(-(cot * cot)) * scaled_erfc(cot);
-    let whole = cumulative(b_max, cot);
+    let whole = cumulative(cos, sin, b_max, cot);
     let (target, tolerance) = (u * whole, R::splat(1e-5) * whole);
     let theta = acos(cos.clamp(0.0, 1.0));
     let fit = one
@@ -222,7 +228,7 @@ fn visible_slope<R: Real>(cos: R, sin: R, u: R, lanes: R::M) -> R {
         b = R::select(inside | flat, b, half * (low + high));
         let here = inverse_erf(b);
         x = R::select(open, here, x);
-        let excess = cumulative(b, here) - target;
+        let excess = cumulative(cos, sin, b, here) - target;
         open = open & excess.abs().ge(tolerance) & !flat;
         if !open.any() {
             break;

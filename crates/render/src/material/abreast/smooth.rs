@@ -5,16 +5,16 @@ use super::super::dielectric::Dielectric;
 use super::fresnel::{conductor, dielectric};
 use super::{Departures, Vertices, axes_s, mirrored, upright, values};
 use crate::lanes::{Double, Real, V3};
+use crate::light::Element;
 use crate::light::abreast::{Abreast, Elements};
 
 impl Metal {
     /// Reflection at angles of incidence, at one wavelength a lane; first axis perpendicular to the plane of incidence.
     #[inline(always)]
     pub(super) fn reflections<R: Real>(&self, cos_i: R, wavelengths: R) -> Elements<R> {
-        let [eta, k, reflectance] = self
-            .spectra()
-            .map(|spectrum| values(spectrum, wavelengths));
-        conductor(cos_i, eta, k).scaled(reflectance)
+        let [eta, k, reflectance] = self.spectra();
+        conductor(cos_i, values(eta, wavelengths), values(k, wavelengths))
+            .scaled(values(reflectance, wavelengths))
     }
 }
 
@@ -26,7 +26,11 @@ impl Conductor {
         wavelengths: &L::Values<R>,
     ) -> Departures<R, L::Answers<R>> {
         let direction = mirrored(at.o, upright());
-        let waves = wavelengths.as_ref();
+        let axis = axes_s(upright(), direction);
+        let mut elements = L::diagonals(Elements::splat(Element::BLACK));
+        for (element, wave) in elements.as_mut().iter_mut().zip(wavelengths.as_ref()) {
+            *element = self.metal().reflections(direction.z, *wave);
+        }
         Departures {
             exist: at.o.z.gt(R::zero()),
             direction,
@@ -34,9 +38,7 @@ impl Conductor {
             continuous: R::nowhere(),
             straight: R::nowhere(),
             eta: R::one(),
-            answers: L::diagonal_lanes(axes_s(upright(), direction), |w| {
-                self.metal().reflections(direction.z, waves[w])
-            }),
+            answers: L::diagonal_lanes(axis, &elements),
         }
     }
 }
@@ -52,13 +54,11 @@ impl Dielectric {
         let o = at.o;
         let above = o.z.gt(R::zero());
         let [outside, inside] = self.indices();
-        // in units of the index outside, so that single precision chooses
-        let choose = |a: f64, b: f64| {
-            let (a, b) = (R::D::splat(a), R::D::splat(b));
-            let up = R::D::wide(R::select(above, R::one(), R::zero()));
-            a * up + b * (R::D::splat(1.0) - up)
-        };
-        let (n1, n2) = (choose(outside, inside), choose(inside, outside));
+        // 1 and 0: the index where light comes from, and the other
+        let up = R::D::wide(R::one().only(above));
+        let down = R::D::splat(1.0) - up;
+        let (outer, inner) = (R::D::splat(outside), R::D::splat(inside));
+        let (n1, n2) = (outer * up + inner * down, inner * up + outer * down);
         let interface = dielectric::<R>(o.z.abs(), n1, n2);
         // in proportion to what the sensor sees of unpolarized light on either way
         let s = axes_s(upright(), o);
@@ -68,15 +68,19 @@ impl Dielectric {
         let reflected = u[0].lt(chance);
         let ratio = (inside / outside) as f32;
         let eta = R::select(above, R::splat(ratio), R::splat(ratio.recip()));
-        let down = interface.cos_t.copysign(o.z);
+        let away = interface.cos_t.copysign(o.z);
         // Snell's law across, the cosine along: normalised once more in single precision
-        let refracted = V3::new(-(o.x / eta), -(o.y / eta), -down).normalize();
+        let refracted = V3::new(-(o.x / eta), -(o.y / eta), -away).normalize();
         let direction = V3::select(reflected, mirrored(o, upright()), refracted);
         // radiance counts by the squared index of its medium
         let dense = (eta * eta).recip();
         let ways = [interface.reflection, interface.transmission.scaled(dense)];
-        let waves = wavelengths.as_ref();
-        let factors = self.factors();
+        let [back, on] = self.factors();
+        let mut elements = L::diagonals(ways[0]);
+        for (element, wave) in elements.as_mut().iter_mut().zip(wavelengths.as_ref()) {
+            let (back, on) = (values(back, *wave), values(on, *wave));
+            *element = Elements::select(reflected, ways[0].scaled(back), ways[1].scaled(on));
+        }
         let exist = (reflected | interface.passes) & o.z.abs().gt(R::zero());
         Departures {
             exist,
@@ -85,10 +89,7 @@ impl Dielectric {
             continuous: R::nowhere(),
             straight: R::nowhere(),
             eta: R::select(reflected, R::one(), eta),
-            answers: L::diagonal_lanes(axes_s(upright(), direction), |w| {
-                let [back, on] = factors.map(|factor| values(factor, waves[w]));
-                Elements::select(reflected, ways[0].scaled(back), ways[1].scaled(on))
-            }),
+            answers: L::diagonal_lanes(axes_s(upright(), direction), &elements),
         }
     }
 }
