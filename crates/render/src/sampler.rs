@@ -133,10 +133,7 @@ impl SampleStream {
         let Some((block, place)) = self.block else {
             return random.map(unit);
         };
-        let seeds = mix(block.wrapping_add(turn));
-        // of each the first and the third byte count
-        let seeds = [seeds as u32, (seeds >> 32) as u32, (seeds >> 8) as u32];
-        let [x, y] = net::point(place, seeds);
+        let [x, y] = net::point(place, mix(block.wrapping_add(turn)));
         [
             unit(u32::from(x) << 24 | random[0] >> 8),
             unit(u32::from(y) << 24 | random[1] >> 8),

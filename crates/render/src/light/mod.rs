@@ -184,6 +184,16 @@ pub trait Light: Copy + std::fmt::Debug + Send + Sync + 'static {
         weight: f32,
         k_out: Vec3A,
     ) -> Self::Throughput;
+    /// The same in place.
+    #[inline]
+    fn lengthen(
+        throughput: &mut Self::Throughput,
+        response: Self::Response,
+        weight: f32,
+        k_out: Vec3A,
+    ) {
+        *throughput = Self::extend(throughput, response, weight, k_out);
+    }
     /// A piece of path as one response: `throughput` began with `identity(axis)`.
     fn as_response(throughput: &Self::Throughput, axis: Vec3A) -> Self::Response;
     /// Light of a source at the end of the path, as the sensor sees it; `k` is its propagation direction there.

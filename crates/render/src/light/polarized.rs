@@ -82,6 +82,15 @@ impl<const N: usize> Light for Polarized<N> {
     ) -> Self::Throughput {
         throughput.extended(response, weight, k_out)
     }
+    #[inline]
+    fn lengthen(
+        throughput: &mut Self::Throughput,
+        response: Self::Response,
+        weight: f32,
+        k_out: Vec3A,
+    ) {
+        throughput.lengthen(response, weight, k_out);
+    }
     fn as_response(throughput: &Self::Throughput, axis: Vec3A) -> Self::Response {
         throughput.as_response(axis)
     }

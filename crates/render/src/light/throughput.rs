@@ -144,6 +144,27 @@ impl<const N: usize> MuellerThroughput<N> {
         }
     }
 
+    /// [`MuellerThroughput::extended`] in place: the most frequent case does without a second set of matrices.
+    #[inline]
+    pub(super) fn lengthen(&mut self, response: MuellerResponse<N>, weight: f32, k_out: Vec3A) {
+        if let (
+            Self::Full { axis, matrices },
+            MuellerResponse::Diagonal {
+                axis: new,
+                elements,
+            },
+        ) = (&mut *self, &response)
+        {
+            let turn = double_angle(*axis, *new, k_out);
+            *axis = *new;
+            for (matrix, element) in matrices.iter_mut().zip(elements) {
+                *matrix = times_element(&turn_columns(matrix, turn), &element.scaled(weight));
+            }
+        } else {
+            *self = self.extended(response, weight, k_out);
+        }
+    }
+
     /// As one response, of a path that began in the frame of `axis`.
     pub(super) fn as_response(&self, axis: Vec3A) -> MuellerResponse<N> {
         match self {

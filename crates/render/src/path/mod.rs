@@ -104,7 +104,7 @@ const ROULETTE: u32 = 6;
 #[derive(Clone, Copy, Debug)]
 pub struct CameraSample<'a> {
     /// Where its path begins.
-    pub start: Start<'a>,
+    pub start: &'a Start<'a>,
     /// Wavelengths in nm, one a lane.
     pub wavelengths: &'a [f32],
     /// Its random numbers.
@@ -138,10 +138,10 @@ pub fn trace<L: Light, W: Witness>(
     // the compiler makes one walk for each kind of scene
     if scene.traits().coherent {
         Walk::<L, W, true>::new(scene, options, &sample, stack, counters, witness)
-            .follow(&sample.start)
+            .follow(sample.start)
     } else {
         Walk::<L, W, false>::new(scene, options, &sample, stack, counters, witness)
-            .follow(&sample.start)
+            .follow(sample.start)
     }
 }
 
@@ -219,13 +219,13 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
                     &ray,
                 );
             }
-            let Some(met) = encounter else { break };
+            let Some(met) = &encounter else { break };
             if depth == options.max_depth {
                 break;
             }
-            let surface = &met.surface;
-            let material = &scene.materials[met.owner.material as usize];
-            let traits = scene.traits_of(met.owner.material);
+            let (surface, owner) = (&met.surface, met.owner);
+            let material = &scene.materials[owner.material as usize];
+            let traits = scene.traits_of(owner.material);
             if traits.black {
                 break;
             }
@@ -331,6 +331,8 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
                 t_max: f32::INFINITY,
             };
             self.counters.rays += 1;
+            // the surface gives way to the next
+            let (position, start) = (surface.position, (surface.error, surface.normal));
             encounter = scene.intersect(&ray, self.stack);
             // nothing is evaluated for a ray that brings no light
             if encounter.is_none() && scene.environment.is_none() {
@@ -346,7 +348,7 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
                 waiting = Some(Waiting {
                     material,
                     vertex,
-                    start: (surface.error, surface.normal),
+                    start,
                     departure,
                     lobe,
                 });
@@ -354,7 +356,7 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
                 // matter that answers to coherence, without patches: light comes from a point
                 let coherence = match &encounter {
                     Some(next) if WAVES && traits.coherent => {
-                        let arm = (next.surface.position - surface.position).length();
+                        let arm = (next.surface.position - position).length();
                         Coherence::from_point(arm)
                     }
                     _ => Coherence::PLANE_WAVE,
@@ -371,19 +373,19 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
                 if let Some(from) = waiting.as_ref().filter(|_| WAVES) {
                     self.way
                         .extend(response, weight, o_world, vertex.viewer_distance);
-                    self.way.note(departure.part, met.owner.material);
+                    self.way.note(departure.part, owner.material);
                     if self.way.is_lost() {
                         throughput = self.point_through(&throughput, from, 0.0);
                         waiting = None;
                     }
                 } else {
-                    throughput = L::extend(&throughput, response, weight, o_world);
+                    L::lengthen(&mut throughput, response, weight, o_world);
                     self.way.straight &= departure.part == Part::Straight;
                 }
             }
             if continuous {
                 origin = Some(Origin {
-                    position: surface.position,
+                    position,
                     lit_frame,
                     density: departure.density,
                 });

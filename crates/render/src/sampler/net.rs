@@ -11,58 +11,80 @@
 /// Most points that are stratified together.
 pub const LARGEST_BLOCK: u64 = 256;
 
-/// Eight digits, the other way round.
-const REVERSED: [u8; 256] = {
-    let mut table = [0; 256];
-    let mut i = 0;
-    while i < 256 {
-        table[i] = (i as u8).reverse_bits();
-        i += 1;
-    }
-    table
-};
-
-/// The second Sobol' dimension, digits the other way round; the first is the index itself, so read.
-const SECOND: [u8; 256] = {
-    let mut table = [0; 256];
-    let mut i = 0;
-    while i < 256 {
-        // columns of Pascal's triangle modulo 2, from the binary digits of the index
-        let (mut column, mut digits, mut sum) = (0x80u8, i as u8, 0u8);
-        while digits != 0 {
-            if digits & 1 != 0 {
-                sum ^= column;
-            }
-            column ^= column >> 1;
-            digits >>= 1;
+/// The second Sobol' dimension of a point's index, digits the other way round; the first is the index itself, so read.
+const fn second(index: u8) -> u8 {
+    // columns of Pascal's triangle modulo 2, from the binary digits of the index
+    let (mut column, mut digits, mut sum) = (0x80u8, index, 0u8);
+    while digits != 0 {
+        if digits & 1 != 0 {
+            sum ^= column;
         }
-        table[i] = sum.reverse_bits();
-        i += 1;
+        column ^= column >> 1;
+        digits >>= 1;
     }
-    table
-};
-
-/// A permutation of eight digits in which each digit depends on the lower ones alone; `seed` chooses it.
-#[inline]
-fn permuted(x: u8, seed: u32) -> u8 {
-    let mut x = u32::from(x);
-    x ^= x.wrapping_mul(0x3d20_adea);
-    x = x.wrapping_add(seed);
-    x = x.wrapping_mul((seed >> 16) | 1);
-    x ^= x.wrapping_mul(0x0552_6c56);
-    x ^= x.wrapping_mul(0x53a2_2864);
-    x as u8
+    sum.reverse_bits()
 }
 
-/// The first eight digits of both coordinates of point `index` of a block; `seeds` choose order and scrambling.
+/// What a permutation does before its seed counts.
+const fn before(x: u8) -> u8 {
+    // all of it is modulo 256: of the constants the lowest byte counts
+    x ^ x.wrapping_mul(0xea)
+}
+
+/// A permutation of eight digits in which each digit depends on the lower ones alone, without [`before`] and [`after`];
+/// two bytes choose it.
 #[inline]
-pub(super) fn point(index: u8, seeds: [u32; 3]) -> [u8; 2] {
-    let shuffled = REVERSED[usize::from(permuted(REVERSED[usize::from(index)], seeds[0]))];
-    let scrambled = |digits: u8, seed: u32| REVERSED[usize::from(permuted(digits, seed))];
-    [
-        scrambled(shuffled, seeds[1]),
-        scrambled(SECOND[usize::from(shuffled)], seeds[2]),
-    ]
+fn seeded(x: u8, [shift, factor]: [u8; 2]) -> usize {
+    usize::from(x.wrapping_add(shift).wrapping_mul(factor | 1))
+}
+
+/// What it does thereafter.
+const fn after(mut x: u8) -> u8 {
+    x ^= x.wrapping_mul(0x56);
+    x ^ x.wrapping_mul(0x64)
+}
+
+/// The index of a point up to the seed of the shuffle.
+const ENTERING: [u8; 256] = {
+    let mut table = [0; 256];
+    let mut i = 0;
+    while i < 256 {
+        table[i] = before((i as u8).reverse_bits());
+        i += 1;
+    }
+    table
+};
+
+/// From there to the coordinates of the shuffled point, up to the seeds of their scrambles.
+const SHUFFLED: [[u8; 2]; 256] = {
+    let mut table = [[0; 2]; 256];
+    let mut i = 0;
+    while i < 256 {
+        let index = after(i as u8).reverse_bits();
+        table[i] = [before(index), before(second(index))];
+        i += 1;
+    }
+    table
+};
+
+/// From there to a coordinate.
+const SCRAMBLED: [u8; 256] = {
+    let mut table = [0; 256];
+    let mut i = 0;
+    while i < 256 {
+        table[i] = after(i as u8).reverse_bits();
+        i += 1;
+    }
+    table
+};
+
+/// The first eight digits of both coordinates of point `index` of a block; of the bytes of `seeds` two choose the order
+/// of the points, and two each the scrambling of a coordinate.
+#[inline]
+pub(super) fn point(index: u8, seeds: u64) -> [u8; 2] {
+    let [a, c, b, d, e, _, f, _] = seeds.to_le_bytes();
+    let [x, y] = SHUFFLED[seeded(ENTERING[usize::from(index)], [a, b])];
+    [SCRAMBLED[seeded(x, [e, f])], SCRAMBLED[seeded(y, [c, d])]]
 }
 
 #[cfg(test)]
@@ -70,8 +92,12 @@ mod tests {
     use super::*;
 
     /// Some seeds that have nothing to do with each other.
-    fn seeds(n: u32) -> [u32; 3] {
-        [1, 2, 3].map(|k| (n * 3 + k).wrapping_mul(0x9e37_79b9).rotate_left(7))
+    fn seeds(n: u32) -> u64 {
+        u64::from(n + 1)
+            .wrapping_mul(0x9e37_79b9_7f4a_7c15)
+            .rotate_left(29)
+            .wrapping_mul(0xbf58_476d_1ce4_e5b9)
+            .rotate_left(17)
     }
 
     #[test]

@@ -195,18 +195,17 @@ impl Scene {
     pub fn intersect(&self, ray: &Ray, stack: &mut Stack) -> Option<Encounter> {
         let hit = self.trace::<false>(ray, stack)?;
         let triangle = hit.primitive as usize;
-        Some(if triangle < self.mesh_of.len() {
+        if triangle < self.mesh_of.len() {
             let (mesh, local) = self.triangle(triangle);
-            Encounter {
+            return Some(Encounter {
                 surface: self.meshes[mesh].surface(local, hit.u, hit.v),
                 owner: self.mesh_owners[mesh],
-            }
-        } else {
-            let shape = triangle - self.mesh_of.len();
-            Encounter {
-                surface: self.shapes[shape].surface(ray, (hit.t, hit.u, hit.v)),
-                owner: self.shape_owners[shape],
-            }
+            });
+        }
+        let shape = triangle - self.mesh_of.len();
+        Some(Encounter {
+            surface: self.shapes[shape].surface(ray, (hit.t, hit.u, hit.v)),
+            owner: self.shape_owners[shape],
         })
     }
 

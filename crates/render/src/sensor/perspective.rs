@@ -23,9 +23,12 @@ use crate::scene::{Object, SceneError, within_reach};
 #[derive(Clone, Debug)]
 pub struct Perspective {
     origin: Vec3A,
+    /// These three are unit vectors across each other.
     right: Vec3A,
     up: Vec3A,
     forward: Vec3A,
+    /// −1 for a transform that mirrors: then right is on the other side of forward × up.
+    sense: f32,
     /// Half the film's width and height at unit distance.
     half: [f32; 2],
     /// The width and height of a pixel there.
@@ -105,11 +108,17 @@ impl Perspective {
         let origin = to_world.transform_point3(DVec3::ZERO).as_vec3a();
         within_reach(object, origin.abs().max_element())?;
         object.without_effect(&["near_clip", "far_clip", "shutter_open", "shutter_close"]);
+        // without what skew has been let pass
+        let forward = forward.normalize();
+        let up = up.reject_from_normalized(forward).normalize();
+        let side = forward.cross(up);
+        let sense = right.dot(side).signum();
         Ok(Self {
             origin,
-            right: (right / unit).as_vec3a(),
-            up: (up / unit).as_vec3a(),
-            forward: (forward / unit).as_vec3a(),
+            right: (side * sense).as_vec3a(),
+            up: up.as_vec3a(),
+            forward: forward.as_vec3a(),
+            sense: sense as f32,
             half: half.map(|h| h as f32),
             pixel: [0, 1].map(|axis| (2.0 * half[axis] / f64::from(size[axis])) as f32),
         })
@@ -121,8 +130,10 @@ impl Perspective {
         let right = x * self.pixel[0] - self.half[0];
         let up = self.half[1] - y * self.pixel[1];
         let toward = self.forward + self.right * right + self.up * up;
-        // neither waits for the other
-        let (direction, axis) = (toward.normalize(), toward.cross(self.up).normalize());
+        // toward × up
+        let across = (self.right - self.forward * right) * self.sense;
+        let across2 = 1.0 + right * right;
+        let (direction, axis) = (toward / (across2 + up * up).sqrt(), across / across2.sqrt());
         (
             Ray {
                 origin: self.origin,
