@@ -219,11 +219,12 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
                     &ray,
                 );
             }
-            let Some(met) = &encounter else { break };
+            let Some(Encounter { surface, owner }) = encounter else {
+                break;
+            };
             if depth == options.max_depth {
                 break;
             }
-            let (surface, owner) = (&met.surface, met.owner);
             let material = &scene.materials[owner.material as usize];
             let traits = scene.traits_of(owner.material);
             if traits.black {
@@ -296,7 +297,7 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
             if !traits.discrete {
                 let place = connect::Place {
                     material,
-                    surface,
+                    surface: &surface,
                     vertex: &vertex,
                     lit_frame: &lit_frame,
                     lobe,
@@ -331,8 +332,6 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
                 t_max: f32::INFINITY,
             };
             self.counters.rays += 1;
-            // the surface gives way to the next
-            let (position, start) = (surface.position, (surface.error, surface.normal));
             encounter = scene.intersect(&ray, self.stack);
             // nothing is evaluated for a ray that brings no light
             if encounter.is_none() && scene.environment.is_none() {
@@ -348,7 +347,7 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
                 waiting = Some(Waiting {
                     material,
                     vertex,
-                    start,
+                    start: (surface.error, surface.normal),
                     departure,
                     lobe,
                 });
@@ -356,7 +355,7 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
                 // matter that answers to coherence, without patches: light comes from a point
                 let coherence = match &encounter {
                     Some(next) if WAVES && traits.coherent => {
-                        let arm = (next.surface.position - position).length();
+                        let arm = (next.surface.position - surface.position).length();
                         Coherence::from_point(arm)
                     }
                     _ => Coherence::PLANE_WAVE,
@@ -385,7 +384,7 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
             }
             if continuous {
                 origin = Some(Origin {
-                    position,
+                    position: surface.position,
                     lit_frame,
                     density: departure.density,
                 });

@@ -195,17 +195,35 @@ impl Scene {
     pub fn intersect(&self, ray: &Ray, stack: &mut Stack) -> Option<Encounter> {
         let hit = self.trace::<false>(ray, stack)?;
         let triangle = hit.primitive as usize;
-        if triangle < self.mesh_of.len() {
+        let (surface, owner) = if triangle < self.mesh_of.len() {
             let (mesh, local) = self.triangle(triangle);
-            return Some(Encounter {
-                surface: self.meshes[mesh].surface(local, hit.u, hit.v),
-                owner: self.mesh_owners[mesh],
-            });
-        }
-        let shape = triangle - self.mesh_of.len();
+            (
+                self.meshes[mesh].surface(local, hit.u, hit.v),
+                self.mesh_owners[mesh],
+            )
+        } else {
+            let shape = triangle - self.mesh_of.len();
+            (
+                self.shapes[shape].surface(ray, (hit.t, hit.u, hit.v)),
+                self.shape_owners[shape],
+            )
+        };
+        // vector by vector: whole it would be copied from place to place
+        let Surface {
+            position,
+            error,
+            normal,
+            frame: Frame { s, t, n },
+        } = surface;
+        let frame = Frame { s, t, n };
         Some(Encounter {
-            surface: self.shapes[shape].surface(ray, (hit.t, hit.u, hit.v)),
-            owner: self.shape_owners[shape],
+            surface: Surface {
+                position,
+                error,
+                normal,
+                frame,
+            },
+            owner,
         })
     }
 

@@ -160,3 +160,44 @@ impl Perspective {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::path::Start;
+    use crate::scene::{Overrides, build, read_text};
+
+    #[test]
+    fn the_frame_of_a_ray_is_across_it_and_level_with_the_camera() {
+        let forward = DVec3::new(-3.0, -1.5, -2.0).normalize();
+        let up = DVec3::new(0.2, 1.0, 0.1)
+            .reject_from_normalized(forward)
+            .normalize();
+        for mirror in ["", "<scale x='-1'/>"] {
+            let text = format!(
+                "<scene version='3.0.0'><sensor type='perspective'><float name='fov' value='100'/>
+                 <transform name='to_world'>{mirror}
+                 <lookat origin='1, 2, 3' target='-2, 0.5, 1' up='0.2, 1, 0.1'/></transform></sensor></scene>"
+            );
+            let document = read_text(&text, "test.xml".as_ref(), &[]).unwrap();
+            let built = build(&document, Overrides::default()).unwrap();
+            let [width, height] = built.film.size.map(|n| n as f32);
+            let look = |x: f32, y: f32| match built.camera.start(x * width, y * height) {
+                Start::Ray { ray, axis } => (ray.direction.as_dvec3(), axis.as_dvec3()),
+                Start::Plane(_) => panic!("a ray expected"),
+            };
+            for k in 0..121 {
+                let (x, y) = ((k % 11) as f32 / 10.0, (k / 11) as f32 / 10.0);
+                let (direction, axis) = look(x, y);
+                // a dozen roundings of numbers up to 1
+                let close = |a: f64, b: f64| (a - b).abs() < 12.0 * f64::from(f32::EPSILON / 2.0);
+                assert!(close(direction.length(), 1.0) && close(axis.length(), 1.0));
+                let expected = direction.cross(up).normalize();
+                assert!(close((axis - expected).length(), 0.0), "{axis} {expected}");
+            }
+            let along = (look(0.6, 0.5).0 - look(0.4, 0.5).0).dot(look(0.5, 0.5).1);
+            assert_eq!(along > 0.0, mirror.is_empty());
+            assert!((look(0.5, 0.4).0 - look(0.5, 0.6).0).dot(up) > 0.0);
+        }
+    }
+}
