@@ -25,20 +25,19 @@ const fn second(index: u8) -> u8 {
     sum.reverse_bits()
 }
 
-/// What a permutation does before its seed counts.
+/// A permutation of eight digits in which each digit depends on the lower ones alone: the part before its seed counts.
 const fn before(x: u8) -> u8 {
-    // all of it is modulo 256: of the constants the lowest byte counts
+    // modulo 256, so that of the permutation's constants the lowest byte is left
     x ^ x.wrapping_mul(0xea)
 }
 
-/// A permutation of eight digits in which each digit depends on the lower ones alone, without [`before`] and [`after`];
-/// two bytes choose it.
+/// The part that two bytes choose; the only one that is not in the tables.
 #[inline]
 fn seeded(x: u8, [shift, factor]: [u8; 2]) -> usize {
     usize::from(x.wrapping_add(shift).wrapping_mul(factor | 1))
 }
 
-/// What it does thereafter.
+/// The part thereafter.
 const fn after(mut x: u8) -> u8 {
     x ^= x.wrapping_mul(0x56);
     x ^ x.wrapping_mul(0x64)
