@@ -377,7 +377,7 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
                         waiting = None;
                     }
                 } else {
-                    throughput = L::extend(&throughput, response, weight, o_world);
+                    L::lengthen(&mut throughput, response, weight, o_world);
                     self.way.straight &= departure.part == Part::Straight;
                 }
             }
