@@ -74,15 +74,6 @@ impl<const N: usize> Light for Polarized<N> {
     }
 
     #[inline]
-    fn extend(
-        throughput: &Self::Throughput,
-        response: Self::Response,
-        weight: f32,
-        k_out: Vec3A,
-    ) -> Self::Throughput {
-        throughput.extended(response, weight, k_out)
-    }
-    #[inline]
     fn lengthen(
         throughput: &mut Self::Throughput,
         response: Self::Response,
