@@ -88,12 +88,15 @@ fn components(n: Complex64) -> (f64, f64) {
 ///
 /// The larger component is a sum of positive numbers; the smaller one follows from the product of the two.
 #[inline]
-fn sqrt_fourth_quadrant(re: f64, loss: f64) -> Complex64 {
+#[must_use]
+pub fn sqrt_fourth_quadrant(re: f64, loss: f64) -> Complex64 {
     let modulus = (re * re + loss * loss).sqrt();
-    let larger = (0.5 * (modulus + re.abs())).sqrt();
-    // 0/0 only where both are 0 (or their squares underflow): there the root is 0 as well
-    let smaller = if larger > 0.0 {
-        0.5 * loss / larger
+    let squared = 0.5 * (modulus + re.abs());
+    let larger = squared.sqrt();
+    // 0/0 only where both are 0 (or their squares underflow): there the root is 0 as well. The quotient does not wait for
+    // the root
+    let smaller = if squared > 0.0 {
+        0.5 * loss / squared * larger
     } else {
         0.0
     };

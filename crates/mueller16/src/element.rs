@@ -44,7 +44,8 @@ pub fn circular_polarizer(left_handed: bool) -> Mueller {
     Mueller::from_rows([[0.5, 0.0, 0.0, hand], dark, dark, [hand, 0.0, 0.0, 0.5]])
 }
 
-/// Unit vector, in the plate's coordinates, along which a thin polarizer lets the field of a ray pass.
+/// Unit vector, in the plate's coordinates, along which a thin polarizer lets the field of a ray pass; `(sin, cos)` of
+/// `theta`.
 ///
 /// The absorbing axis `(sin θ, cos θ, 0)` is projected across `k`; the transmitted axis is perpendicular to both.
 /// `k` of unit length. Light that travels along the absorbing axis gets the limit from nearby directions.
@@ -52,16 +53,16 @@ pub fn circular_polarizer(left_handed: bool) -> Mueller {
 /// Source: Korger et al. 2013, The polarization properties of a tilted polarizer, Optics Express 21, 27032.
 ///
 /// ```
-/// let axis = mueller16::element::polarizer_transmitted_axis(0.0, [0.0, 0.0, -1.0]);
+/// let axis = mueller16::element::polarizer_transmitted_axis(0.0f64.sin_cos(), [0.0, 0.0, -1.0]);
 /// assert_eq!(axis, [1.0, 0.0, 0.0]);
 /// ```
 #[must_use]
-pub fn polarizer_transmitted_axis(theta: f64, k: [f64; 3]) -> [f64; 3] {
-    let (sin, cos) = theta.sin_cos();
+pub fn polarizer_transmitted_axis((sin, cos): (f64, f64), k: [f64; 3]) -> [f64; 3] {
     cross(k, projected([sin, cos, 0.0], k))
 }
 
-/// Unit vector, in the plate's coordinates, along which the field of a ray is fast in a thin retarder.
+/// Unit vector, in the plate's coordinates, along which the field of a ray is fast in a thin retarder; `(sin, cos)` of
+/// `theta`.
 ///
 /// The plate's axis U is projected across `k`; the fast axis makes the angle `theta` with it on the wavefront, turning
 /// from U toward V. `k` of unit length. Light that travels along U gets the limit from nearby directions.
@@ -70,12 +71,11 @@ pub fn polarizer_transmitted_axis(theta: f64, k: [f64; 3]) -> [f64; 3] {
 /// itself would lie up to `(1 − cos)/2` of the tilt, in radians, from this one.
 ///
 /// ```
-/// let axis = mueller16::element::retarder_fast_axis(0.0, [0.0, 0.6, 0.8]);
+/// let axis = mueller16::element::retarder_fast_axis(0.0f64.sin_cos(), [0.0, 0.6, 0.8]);
 /// assert_eq!(axis, [1.0, 0.0, 0.0]);
 /// ```
 #[must_use]
-pub fn retarder_fast_axis(theta: f64, k: [f64; 3]) -> [f64; 3] {
-    let (sin, cos) = theta.sin_cos();
+pub fn retarder_fast_axis((sin, cos): (f64, f64), k: [f64; 3]) -> [f64; 3] {
     let u = projected([1.0, 0.0, 0.0], k);
     // the second axis on the wavefront is the one on the side of V, whichever way the light goes
     let side = if k[2] < 0.0 { -1.0 } else { 1.0 };
@@ -129,10 +129,13 @@ mod tests {
             for theta in [0.0f64, 0.3, FRAC_PI_4, 1.4, -0.8] {
                 let (sin, cos) = theta.sin_cos();
                 assert!(same_axis(
-                    polarizer_transmitted_axis(theta, k),
+                    polarizer_transmitted_axis(theta.sin_cos(), k),
                     [cos, -sin, 0.0]
                 ));
-                assert!(same_axis(retarder_fast_axis(theta, k), [cos, sin, 0.0]));
+                assert!(same_axis(
+                    retarder_fast_axis(theta.sin_cos(), k),
+                    [cos, sin, 0.0]
+                ));
             }
         }
     }
@@ -140,7 +143,7 @@ mod tests {
     #[test]
     fn a_polarizer_at_45_degrees_seen_from_the_front_passes_negative_s2() {
         // light that leaves through the front travels along +z; its receiver has U right and V up
-        let axis = polarizer_transmitted_axis(FRAC_PI_4, [0.0, 0.0, 1.0]);
+        let axis = polarizer_transmitted_axis(FRAC_PI_4.sin_cos(), [0.0, 0.0, 1.0]);
         let to_axis = stokes::FrameRotation::from_axis(axis[0], axis[1]);
         let light = stokes::StokesVector::UNPOLARIZED.rotated(to_axis);
         let out = linear_polarizer().apply(light).rotated(to_axis.inverse());
@@ -151,17 +154,17 @@ mod tests {
     #[test]
     fn axes_of_oblique_rays_are_transverse_unit_vectors() {
         let k = [0.48, -0.6, 0.64];
-        for theta in [0.0, 0.7, 2.0] {
+        for theta in [0.0f64, 0.7, 2.0] {
             for axis in [
-                polarizer_transmitted_axis(theta, k),
-                retarder_fast_axis(theta, k),
+                polarizer_transmitted_axis(theta.sin_cos(), k),
+                retarder_fast_axis(theta.sin_cos(), k),
             ] {
                 assert!(dot(axis, k).abs() < 1e-15);
                 assert!((dot(axis, axis) - 1.0).abs() < 1e-15);
             }
             // Korger et al.: what is absorbed is the projection of the absorbing axis
             let absorbing = [f64::sin(theta), f64::cos(theta), 0.0];
-            assert!(dot(polarizer_transmitted_axis(theta, k), absorbing).abs() < 1e-15);
+            assert!(dot(polarizer_transmitted_axis(theta.sin_cos(), k), absorbing).abs() < 1e-15);
         }
     }
 
@@ -171,8 +174,11 @@ mod tests {
         let (theta, k) = (0.6f64, [0.6, 0.0, 0.8]);
         let (sin, cos) = theta.sin_cos();
         let turn = |v: [f64; 3], sin: f64| [cos * v[0] - sin * v[1], sin * v[0] + cos * v[1], v[2]];
-        let by_theta = polarizer_transmitted_axis(theta, k);
-        let by_turning = turn(polarizer_transmitted_axis(0.0, turn(k, sin)), -sin);
+        let by_theta = polarizer_transmitted_axis(theta.sin_cos(), k);
+        let by_turning = turn(
+            polarizer_transmitted_axis(0.0f64.sin_cos(), turn(k, sin)),
+            -sin,
+        );
         assert!(same_axis(by_theta, by_turning));
     }
 
@@ -180,19 +186,22 @@ mod tests {
     fn the_fast_axis_keeps_its_angle_to_the_projected_u_axis() {
         // tilted about V by 60°: U shortens to its projection, θ is counted on the wavefront
         let (theta, k) = (0.5f64, [0.75f64.sqrt(), 0.0, 0.5]);
-        let u = retarder_fast_axis(0.0, k);
+        let u = retarder_fast_axis(0.0f64.sin_cos(), k);
         assert!(same_axis(u, [0.5, 0.0, -(0.75f64.sqrt())]));
-        assert!((dot(retarder_fast_axis(theta, k), u) - theta.cos()).abs() < 1e-15);
+        assert!((dot(retarder_fast_axis(theta.sin_cos(), k), u) - theta.cos()).abs() < 1e-15);
         // and turns toward V from both sides
-        assert!(retarder_fast_axis(theta, k)[1] > 0.0);
-        assert!(retarder_fast_axis(theta, k.map(|c| -c))[1] > 0.0);
+        assert!(retarder_fast_axis(theta.sin_cos(), k)[1] > 0.0);
+        assert!(retarder_fast_axis(theta.sin_cos(), k.map(|c| -c))[1] > 0.0);
     }
 
     #[test]
     fn the_fast_axis_has_no_seam_between_quadrants() {
         let tilted = |phi: f64| {
             let (sin, cos) = phi.sin_cos();
-            retarder_fast_axis(0.4, [0.17 * cos, 0.17 * sin, (1.0f64 - 0.17 * 0.17).sqrt()])
+            retarder_fast_axis(
+                0.4f64.sin_cos(),
+                [0.17 * cos, 0.17 * sin, (1.0f64 - 0.17 * 0.17).sqrt()],
+            )
         };
         for step in 0..3600 {
             let (a, b) = (
@@ -209,11 +218,20 @@ mod tests {
         let k = [near.cos(), 0.0, near.sin()];
         let along = [1.0, 0.0, 0.0];
         assert!(
-            (dot(retarder_fast_axis(0.0, k), retarder_fast_axis(0.0, along)).abs() - 1.0).abs()
+            (dot(
+                retarder_fast_axis(0.0f64.sin_cos(), k),
+                retarder_fast_axis(0.0f64.sin_cos(), along)
+            )
+            .abs()
+                - 1.0)
+                .abs()
                 < 1e-11
         );
-        let limit = polarizer_transmitted_axis(FRAC_PI_2, along);
-        assert!((dot(polarizer_transmitted_axis(FRAC_PI_2, k), limit).abs() - 1.0).abs() < 1e-11);
+        let limit = polarizer_transmitted_axis(FRAC_PI_2.sin_cos(), along);
+        assert!(
+            (dot(polarizer_transmitted_axis(FRAC_PI_2.sin_cos(), k), limit).abs() - 1.0).abs()
+                < 1e-11
+        );
     }
 
     #[test]

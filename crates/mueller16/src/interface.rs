@@ -190,6 +190,8 @@ fn fraction(part: f64, whole: f64) -> f64 {
 pub struct ConductorInterface {
     n1: f64,
     n2: Complex64,
+    /// η² − n₁², k² and 2ηk: n₂² − n₁², in parts that keep their digits where they cancel.
+    contrast: [f64; 3],
 }
 
 impl ConductorInterface {
@@ -204,9 +206,11 @@ impl ConductorInterface {
         if !valid(eta) || !valid(k) || eta.max(k) < 1e-70 {
             return Err(IndexError::Absorbing { eta, k });
         }
+        let n1 = transparent(n1)?;
         Ok(Self {
-            n1: transparent(n1)?,
+            n1,
             n2: Complex64::new(eta, -k),
+            contrast: [(eta - n1) * (eta + n1), k * k, 2.0 * eta * k],
         })
     }
 
@@ -239,15 +243,16 @@ impl ConductorInterface {
     #[inline]
     #[must_use]
     pub fn reflection(&self, cos_i: f64) -> DiattenuatingRetarder {
-        let w = fresnel::normal_index(cos_i, self.n1, self.n2);
         let a = self.n1 * cos_i;
+        let [contrast, square, twice] = self.contrast;
+        let w = fresnel::sqrt_fourth_quadrant(contrast + a * a - square, twice);
         let t = self.n1 * self.n1 * (1.0 - cos_i) * (1.0 + cos_i);
         let loss = w.im * w.im;
         let (sum, difference) = (a + w.re, a - w.re);
         let power_s = fraction(difference * difference + loss, sum * sum + loss);
         let aw = a * a * (w.re * w.re + loss);
         let twice_at = 2.0 * a * t;
-        let scale = fraction(power_s, aw + t * t + twice_at * w.re);
+        let scale = power_s * fraction(1.0, aw + t * t + twice_at * w.re);
         DiattenuatingRetarder {
             mean: scale * (aw + t * t),
             difference: scale * twice_at * w.re,

@@ -367,7 +367,7 @@ impl<'a, L: Abreast> Worker<'a, L> {
                 ear.listen::<L>(wavelengths, weight, stack, &mut self.taken.counters);
             }
             let camera = CameraSample {
-                start,
+                start: &start,
                 wavelengths,
                 stream,
             };
@@ -472,7 +472,7 @@ impl Ear<'_> {
         });
         let mut listener = Listener::new(&self.view, &lanes, self.separation);
         let camera = CameraSample {
-            start: self.start,
+            start: &self.start,
             wavelengths,
             stream: self.stream,
         };

@@ -135,7 +135,11 @@ impl SampleColours {
     /// Starts a sample.
     #[inline]
     pub fn clear(&mut self) {
-        self.values.fill(Vec4::ZERO);
+        match self.values.as_mut_slice() {
+            // without a call
+            [one] => *one = Vec4::ZERO,
+            all => all.fill(Vec4::ZERO),
+        }
     }
 
     /// Adds a Stokes vector to one colour.

@@ -102,13 +102,18 @@ impl Bvh {
         if self.nodes.is_empty() {
             return None;
         }
-        if let Some(primitive) = self.only {
+        // the numbers of a hit one by one: together they would go through memory
+        let (t, primitive, u, v) = if let Some(primitive) = self.only {
             // its box would cost as much as the primitive itself
             let (t, u, v) = shape(primitive, ray.t_max)?;
-            return Some(Hit { t, primitive, u, v });
-        }
-        self.instructions
-            .walk::<ANY>(self, ray, &mut stack.0, shape)
+            (t, primitive, u, v)
+        } else {
+            let hit = self
+                .instructions
+                .walk::<ANY>(self, ray, &mut stack.0, shape)?;
+            (hit.t, hit.primitive, hit.u, hit.v)
+        };
+        Some(Hit { t, primitive, u, v })
     }
 }
 

@@ -19,6 +19,8 @@
 //!
 //! Source of the relative margin: Ize, Robust BVH Ray Traversal, JCGT 2(2), 2013.
 
+use glam::Vec3A;
+
 use super::lanes::Lanes;
 use super::ray::Ray;
 
@@ -108,42 +110,25 @@ impl<F: Copy> Slabs<F> {
     pub(super) fn new<S: Lanes<WIDTH, F = F>>(simd: S, ray: &Ray, reach: f32) -> Self {
         let margin = MARGIN * ray.direction.abs().max_element();
         let widening = MARGIN * (ray.origin.abs().max_element() + reach);
-        let (o, d, i) = (ray.origin, ray.direction, ray.direction.recip());
-        let slab = |o, d, i| Slab::new(simd, [o, d, i], margin, widening);
-        Self {
-            axes: [
-                slab(o.x, d.x, i.x),
-                slab(o.y, d.y, i.y),
-                slab(o.z, d.z, i.z),
-            ],
-            zero: simd.splat(0.0),
-        }
-    }
-}
-
-impl<F: Copy> Slab<F> {
-    /// From origin, direction and its inverse on this axis.
-    #[inline(always)]
-    fn new<S: Lanes<WIDTH, F = F>>(
-        simd: S,
-        [origin, direction, inverse]: [f32; 3],
-        margin: f32,
-        widening: f32,
-    ) -> Self {
-        let slack = margin * inverse.abs();
-        let (widening, slack) = if slack <= 0.125 {
-            (0.0, slack)
-        } else {
-            (widening.copysign(direction), 0.0)
+        // the three axes at once
+        let (origin, inverse) = (ray.origin, ray.direction.recip());
+        let slack = inverse.abs() * margin;
+        let is_small = slack.cmple(Vec3A::splat(0.125));
+        let widening = Vec3A::splat(widening).copysign(ray.direction);
+        let widening = Vec3A::select(is_small, Vec3A::ZERO, widening);
+        let slack = Vec3A::select(is_small, slack, Vec3A::ZERO);
+        let origins = [origin + widening, origin - widening].map(|v| v.to_array());
+        let inverses = [inverse * (1.0 - slack), inverse * (1.0 + slack)].map(|v| v.to_array());
+        // of the inverse: a component of −0 runs toward −∞
+        let negative = inverse.is_negative_bitmask();
+        let slab = |axis: usize| Slab {
+            side: usize::from(negative & 1 << axis == 0),
+            origin: origins.map(|o| simd.splat(o[axis])),
+            inverse: inverses.map(|i| simd.splat(i[axis])),
         };
         Self {
-            // of the inverse: a component of −0 runs toward −∞
-            side: usize::from(inverse.is_sign_positive()),
-            origin: [simd.splat(origin + widening), simd.splat(origin - widening)],
-            inverse: [
-                simd.splat(inverse * (1.0 - slack)),
-                simd.splat(inverse * (1.0 + slack)),
-            ],
+            axes: [slab(0), slab(1), slab(2)],
+            zero: simd.splat(0.0),
         }
     }
 }

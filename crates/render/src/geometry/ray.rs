@@ -36,37 +36,25 @@ pub const fn gamma(n: u32) -> f32 {
 
 /// A start point off the surface at `p`, on the side of `direction`, outside the box of half-widths `error` around `p`.
 ///
-/// The box bounds how far the computed point may be from the surface; the result is rounded outward, so a ray from it
-/// cannot meet the surface that it left, whatever the scale of the scene.
+/// The box bounds how far the computed point may be from the surface. The result is moved along the normal until the
+/// plane across it is clear of the box, and further by what the move itself may round, so a ray from it cannot meet the
+/// surface that it left, whatever the scale of the scene.
 ///
-/// Source: Pharr, Jakob, Humphreys, Physically Based Rendering, 4th ed., section 6.8.6.
+/// Source: Pharr, Jakob, Humphreys, Physically Based Rendering, 4th ed., section 6.8.6; they step to the next number
+/// instead, coordinate by coordinate.
 #[inline]
 pub fn offset_origin(p: Vec3A, error: Vec3A, normal: Vec3A, direction: Vec3A) -> Vec3A {
-    let distance = normal.abs().dot(error);
-    let offset = normal * distance.copysign(direction.dot(normal));
-    let moved = p + offset;
-    // one step of the grid of floating-point numbers further, in the sense of the offset
-    Vec3A::new(
-        step(moved.x, offset.x),
-        step(moved.y, offset.y),
-        step(moved.z, offset.z),
-    )
-}
-
-#[inline]
-fn step(x: f32, sense: f32) -> f32 {
-    if sense > 0.0 {
-        x.next_up()
-    } else if sense < 0.0 {
-        x.next_down()
-    } else {
-        x
-    }
+    // with n the normal and d the distance: the sum rounds by ε (|p| + d |n|) at most, ε = 2⁻²⁴, the product by ε d |n|;
+    // d itself has six roundings, and n a length within two of 1
+    let reach = error * (1.0 + gamma(16)) + p.abs() * f32::EPSILON;
+    let distance = normal.abs().dot(reach);
+    p + normal * distance.copysign(direction.dot(normal))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampler::uniform_sphere;
 
     #[test]
     fn an_offset_point_leaves_the_error_box_at_every_scale() {
@@ -83,6 +71,29 @@ mod tests {
                     "{exponent} {sign} {along}"
                 );
             }
+        }
+    }
+
+    #[test]
+    fn no_rounding_takes_an_offset_point_back_into_the_error_box() {
+        for k in 0..40_000u64 {
+            let stream = crate::sampler::SampleStream::new(1, 2, k);
+            let [scale, ratio] = stream.pair(0);
+            // boxes from far below the spacing of numbers around p to as wide as p is long
+            let p = uniform_sphere(stream.pair(2)) * (40.0 * scale - 20.0).exp2();
+            let error = p.abs() * (-30.0 * ratio).exp2();
+            let normal = uniform_sphere(stream.pair(4));
+            let direction = uniform_sphere(stream.pair(6));
+            let moved = offset_origin(p, error, normal, direction);
+            let n = normal.as_dvec3();
+            let along = (moved.as_dvec3() - p.as_dvec3()).dot(n);
+            let reach = error.as_dvec3().dot(n.abs());
+            assert!(
+                along * f64::from(direction.dot(normal)).signum() > reach,
+                "{k}: {along} {reach}"
+            );
+            // and not much farther: by the spacing of numbers around p and a millionth of the box
+            assert!(along.abs() < reach * (1.0 + 2e-6) + 4e-7 * f64::from(p.length()));
         }
     }
 }

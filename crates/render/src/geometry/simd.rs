@@ -48,7 +48,7 @@ impl Instructions {
         shape: impl Fn(u32, f32) -> Option<(f32, f32, f32)>,
     ) -> Option<Hit> {
         match self {
-            Self::Portable => walk::<_, ANY>(Portable, bvh, ray, stack, shape),
+            Self::Portable => walk_portable::<ANY>(bvh, ray, stack, shape),
             #[cfg(target_arch = "x86_64")]
             Self::Avx2(avx2) => {
                 // SAFETY: a value of `Avx2` exists only where `detect` has found these instructions
@@ -56,6 +56,17 @@ impl Instructions {
             }
         }
     }
+}
+
+/// The whole traversal with portable instructions, out of the way of scenes of one shape.
+#[inline(never)]
+fn walk_portable<const ANY: bool>(
+    bvh: &Bvh,
+    ray: &Ray,
+    stack: &mut [u64],
+    shape: impl Fn(u32, f32) -> Option<(f32, f32, f32)>,
+) -> Option<Hit> {
+    walk::<_, ANY>(Portable, bvh, ray, stack, shape)
 }
 
 /// The permission to use AVX2 and the bit manipulations that came with it.

@@ -9,8 +9,8 @@ use super::Element;
 pub(super) fn double_angle(from: Vec3A, to: Vec3A, k: Vec3A) -> (f32, f32) {
     let c = from.dot(to);
     let s = k.cross(from).dot(to);
-    // normalised: the axes are perpendicular to k only up to rounding
-    let norm = (c * c + s * s).recip();
+    // normalised: the axes are perpendicular to k only up to rounding. Of the reciprocal two terms are enough
+    let norm = 2.0 - (c * c + s * s);
     ((c * c - s * s) * norm, 2.0 * c * s * norm)
 }
 

@@ -60,8 +60,10 @@ impl<const N: usize> Light for Intensity<N> {
         [1.0; N]
     }
     #[inline]
-    fn extend(throughput: &[f32; N], response: [f32; N], weight: f32, _: Vec3A) -> [f32; N] {
-        std::array::from_fn(|lane| throughput[lane] * response[lane] * weight)
+    fn lengthen(throughput: &mut [f32; N], response: [f32; N], weight: f32, _: Vec3A) {
+        for lane in 0..N {
+            throughput[lane] *= response[lane] * weight;
+        }
     }
     #[inline]
     fn as_response(throughput: &[f32; N], _: Vec3A) -> [f32; N] {

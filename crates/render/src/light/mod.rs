@@ -179,12 +179,24 @@ pub trait Light: Copy + std::fmt::Debug + Send + Sync + 'static {
     /// The empty path: light arrives at the sensor as it is, in the frame of `axis`.
     fn identity(axis: Vec3A) -> Self::Throughput;
     /// Lengthens the path by a vertex, weighted; `k_out` is the propagation direction of the light that leaves it.
+    fn lengthen(
+        throughput: &mut Self::Throughput,
+        response: Self::Response,
+        weight: f32,
+        k_out: Vec3A,
+    );
+    /// The path lengthened by a vertex.
+    #[inline]
     fn extend(
         throughput: &Self::Throughput,
         response: Self::Response,
         weight: f32,
         k_out: Vec3A,
-    ) -> Self::Throughput;
+    ) -> Self::Throughput {
+        let mut longer = *throughput;
+        Self::lengthen(&mut longer, response, weight, k_out);
+        longer
+    }
     /// A piece of path as one response: `throughput` began with `identity(axis)`.
     fn as_response(throughput: &Self::Throughput, axis: Vec3A) -> Self::Response;
     /// Light of a source at the end of the path, as the sensor sees it; `k` is its propagation direction there.

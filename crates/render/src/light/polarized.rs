@@ -74,13 +74,13 @@ impl<const N: usize> Light for Polarized<N> {
     }
 
     #[inline]
-    fn extend(
-        throughput: &Self::Throughput,
+    fn lengthen(
+        throughput: &mut Self::Throughput,
         response: Self::Response,
         weight: f32,
         k_out: Vec3A,
-    ) -> Self::Throughput {
-        throughput.extended(response, weight, k_out)
+    ) {
+        throughput.lengthen(response, weight, k_out);
     }
     fn as_response(throughput: &Self::Throughput, axis: Vec3A) -> Self::Response {
         throughput.as_response(axis)

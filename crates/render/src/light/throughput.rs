@@ -34,15 +34,18 @@ pub enum MuellerThroughput<const N: usize> {
 }
 
 impl<const N: usize> MuellerThroughput<N> {
-    /// A vertex longer, weighted; `k_out` is the propagation direction of the light that leaves it.
+    /// Makes it a vertex longer, weighted; `k_out` is the propagation direction of the light that leaves it.
     #[inline]
-    pub(super) fn extended(&self, response: MuellerResponse<N>, weight: f32, k_out: Vec3A) -> Self {
+    pub(super) fn lengthen(&mut self, response: MuellerResponse<N>, weight: f32, k_out: Vec3A) {
         use MuellerResponse as R;
         use MuellerThroughput as T;
-        match (self, response) {
-            (T::Full { matrices, .. }, R::Depolarizing(m00)) => T::Intensity {
-                columns: std::array::from_fn(|i| matrices[i].x_axis * (m00[i] * weight)),
-            },
+        // each arm writes what it makes into place: a copy of the whole would wait for its parts
+        match (&*self, response) {
+            (T::Full { matrices, .. }, R::Depolarizing(m00)) => {
+                *self = T::Intensity {
+                    columns: std::array::from_fn(|i| matrices[i].x_axis * (m00[i] * weight)),
+                };
+            }
             (
                 T::Full {
                     axis: old,
@@ -51,7 +54,7 @@ impl<const N: usize> MuellerThroughput<N> {
                 R::Diagonal { axis, elements },
             ) => {
                 let turn = double_angle(*old, axis, k_out);
-                T::Full {
+                *self = T::Full {
                     axis,
                     matrices: std::array::from_fn(|i| {
                         times_element(
@@ -59,7 +62,7 @@ impl<const N: usize> MuellerThroughput<N> {
                             &elements[i].scaled(weight),
                         )
                     }),
-                }
+                };
             }
             (
                 T::Full {
@@ -73,16 +76,18 @@ impl<const N: usize> MuellerThroughput<N> {
                 },
             ) => {
                 let turn = double_angle(*old, axis_out, k_out);
-                T::Full {
+                *self = T::Full {
                     axis: axis_in,
                     matrices: std::array::from_fn(|i| {
                         turn_columns(&matrices[i], turn) * (m[i] * weight)
                     }),
-                }
+                };
             }
-            (T::RankOne { columns, rows, .. }, R::Depolarizing(m00)) => T::Intensity {
-                columns: std::array::from_fn(|i| columns[i] * (rows[i].x * m00[i] * weight)),
-            },
+            (T::RankOne { columns, rows, .. }, R::Depolarizing(m00)) => {
+                *self = T::Intensity {
+                    columns: std::array::from_fn(|i| columns[i] * (rows[i].x * m00[i] * weight)),
+                };
+            }
             (
                 T::RankOne {
                     axis: old,
@@ -92,13 +97,13 @@ impl<const N: usize> MuellerThroughput<N> {
                 R::Diagonal { axis, elements },
             ) => {
                 let turn = double_angle(*old, axis, k_out);
-                T::RankOne {
+                *self = T::RankOne {
                     axis,
                     columns: *columns,
                     rows: std::array::from_fn(|i| {
                         row_times_element(turn_row(rows[i], turn), &elements[i].scaled(weight))
                     }),
-                }
+                };
             }
             (
                 T::RankOne {
@@ -113,34 +118,40 @@ impl<const N: usize> MuellerThroughput<N> {
                 },
             ) => {
                 let turn = double_angle(*old, axis_out, k_out);
-                T::RankOne {
+                *self = T::RankOne {
                     axis: axis_in,
                     columns: *columns,
                     rows: std::array::from_fn(|i| {
                         row_times_matrix(turn_row(rows[i], turn), &matrices[i]) * weight
                     }),
-                }
+                };
             }
-            (T::Intensity { columns }, R::Depolarizing(m00)) => T::Intensity {
-                columns: std::array::from_fn(|i| columns[i] * (m00[i] * weight)),
-            },
-            (T::Intensity { columns }, R::Diagonal { axis, elements }) => T::RankOne {
-                axis,
-                columns: *columns,
-                rows: std::array::from_fn(|i| {
-                    vec4(elements[i].mean, elements[i].difference, 0., 0.) * weight
-                }),
-            },
+            (T::Intensity { columns }, R::Depolarizing(m00)) => {
+                *self = T::Intensity {
+                    columns: std::array::from_fn(|i| columns[i] * (m00[i] * weight)),
+                };
+            }
+            (T::Intensity { columns }, R::Diagonal { axis, elements }) => {
+                *self = T::RankOne {
+                    axis,
+                    columns: *columns,
+                    rows: std::array::from_fn(|i| {
+                        vec4(elements[i].mean, elements[i].difference, 0., 0.) * weight
+                    }),
+                };
+            }
             (
                 T::Intensity { columns },
                 R::General {
                     axis_in, matrices, ..
                 },
-            ) => T::RankOne {
-                axis: axis_in,
-                columns: *columns,
-                rows: std::array::from_fn(|i| row_times_matrix(Vec4::X, &matrices[i]) * weight),
-            },
+            ) => {
+                *self = T::RankOne {
+                    axis: axis_in,
+                    columns: *columns,
+                    rows: std::array::from_fn(|i| row_times_matrix(Vec4::X, &matrices[i]) * weight),
+                };
+            }
         }
     }
 

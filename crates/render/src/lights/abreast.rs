@@ -24,22 +24,21 @@ impl Seen {
         let mut lit = R::everywhere();
         if self.cos_spread > -1.0 {
             let outside = squared.gt(R::splat(self.squared_radius));
-            let cos = (V3::splat(self.axis).dot(to) * squared.sqrt().recip()).clamp(-1.0, 1.0);
-            let sin = (one - cos * cos).sqrt();
-            let sin2_size = R::splat(self.squared_radius) / squared;
-            let sin_size = sin2_size.sqrt();
-            let cos_size = (one - sin2_size).max(zero).sqrt();
+            // (cos, sin) of the angle to the axis times the distance, less the cone's, less that of the box
+            let along = V3::splat(self.axis).dot(to);
+            let across = (squared - along * along).max(zero).sqrt();
             let (c, s) = (R::splat(self.cos_spread), R::splat(self.sin_spread));
-            let beyond = cos.lt(R::splat(self.cos_spread));
-            // the difference of two angles, twice
-            let (c, s) = (cos * c + sin * s, sin * c - cos * s);
-            let far = beyond & c.lt(cos_size);
-            let fallen = R::select(far, c * cos_size + s * sin_size, one);
+            let (c, s) = (along * c + across * s, across * c - along * s);
+            let size = (squared - R::splat(self.squared_radius)).max(zero).sqrt();
+            let radius = R::splat(self.radius);
+            let (near, far) = (c * size + s * radius, s * size - c * radius);
+            let beyond = s.gt(zero) & far.gt(zero);
+            let fallen = R::select(beyond, near / squared, one);
             let dark = outside & fallen.lt(R::splat(self.cos_edge));
             lit = lit & !dark;
             falloff = R::select(outside, fallen.max(R::splat(super::bundle::LEAST)), one);
         }
-        (R::splat(self.intensity) * falloff / squared_distance)
+        (R::splat(self.intensity) / squared_distance * falloff)
             .clamp(f32::MIN_POSITIVE, f32::MAX * 0.25)
             .only(lit)
     }

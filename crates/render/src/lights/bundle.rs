@@ -119,6 +119,7 @@ const NEAREST_OF_MANY: f32 = 1.0 / 6.0;
 pub(super) struct Seen {
     pub(super) centre: Vec3A,
     pub(super) axis: Vec3A,
+    pub(super) radius: f32,
     pub(super) squared_radius: f32,
     pub(super) least_square: f32,
     pub(super) cos_spread: f32,
@@ -144,6 +145,7 @@ impl Seen {
         Self {
             centre: bundle.centre(),
             axis: bundle.axis,
+            radius: squared_radius.sqrt(),
             squared_radius,
             least_square: nearest * squared_radius,
             cos_spread: if all_ways { -1.0 } else { bundle.spread.cos() },
@@ -165,15 +167,15 @@ impl Seen {
         let outside = squared > self.squared_radius;
         let mut falloff = 1.0;
         if outside && self.cos_spread > -1.0 {
-            // the angle to the axis, less the cone's, less that under which the box is seen
-            let cos = (self.axis.dot(to) * squared.sqrt().recip()).clamp(-1.0, 1.0);
-            let sin = (1.0 - cos * cos).sqrt();
-            let sin2_size = self.squared_radius / squared;
-            let (sin_size, cos_size) = (sin2_size.sqrt(), (1.0 - sin2_size).sqrt());
-            if cos < self.cos_spread {
-                let (c, s) = less((cos, sin), (self.cos_spread, self.sin_spread));
-                if c < cos_size {
-                    falloff = less((c, s), (cos_size, sin_size)).0;
+            // the angle to the axis, less the cone's, less that under which the box is seen: (cos, sin) times the distance
+            let along = self.axis.dot(to);
+            let across = (squared - along * along).max(0.0).sqrt();
+            let size = ((squared - self.squared_radius).sqrt(), self.radius);
+            let (c, s) = less((along, across), (self.cos_spread, self.sin_spread));
+            if s > 0.0 {
+                let (c, s) = less((c, s), size);
+                if s > 0.0 {
+                    falloff = c / squared;
                 }
             }
             if falloff < self.cos_edge {
@@ -183,7 +185,7 @@ impl Seen {
         }
         // nothing overflows, and what is not zero stays so
         if self.intensity > 0.0 {
-            (self.intensity * falloff / squared_distance).clamp(f32::MIN_POSITIVE, f32::MAX * 0.25)
+            (self.intensity / squared_distance * falloff).clamp(f32::MIN_POSITIVE, f32::MAX * 0.25)
         } else {
             0.0
         }

@@ -32,7 +32,7 @@ fn seen(built: &BuiltScene, wavelength: f32, samples: u64) -> (f64, f64) {
     let (mut sum, mut square) = (0.0, 0.0);
     for sample in 0..samples {
         let camera = CameraSample {
-            start: Start::Ray {
+            start: &Start::Ray {
                 ray: Ray {
                     origin: Vec3A::new(0.05, 0.0, 0.1),
                     direction: Vec3A::new(-0.05, 0.0, -0.1).normalize(),

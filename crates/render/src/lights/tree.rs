@@ -168,6 +168,9 @@ impl Tree {
             chance *= part;
             node = &self.nodes[node.first as usize + usize::from(second)];
         }
+        if node.count == 1 {
+            return (self.numbers[node.first as usize], chance);
+        }
         let shares = self.shares(node, from);
         let mut drawn = 0;
         for (index, &share) in shares.iter().enumerate().filter(|(_, share)| **share > 0.0) {
@@ -193,6 +196,9 @@ impl Tree {
             trail >>= 1;
             chance *= if second { 1.0 - left } else { left };
             node = &self.nodes[node.first as usize + usize::from(second)];
+        }
+        if node.count == 1 {
+            return chance;
         }
         chance * self.shares(node, from)[(index - node.first) as usize]
     }

@@ -203,15 +203,16 @@ impl Matter for RoughlyCoated {
             return None;
         }
         let p = self.coat.surface_probability(o, wavelengths);
-        let i = if u[0] < p {
-            super::mirror(o, self.facets.sample(o, [u[1], u[2]]))
+        let (i, of_facets) = if u[0] < p {
+            let (m, density) = self.facets.sample_mirror(o, [u[1], u[2]]);
+            (super::mirror(o, m), density)
         } else {
-            cosine_hemisphere([u[1], u[2]])
+            let i = cosine_hemisphere([u[1], u[2]]);
+            (i, self.facets.mirror_density(o, (o + i).normalize()))
         };
         if i.z <= 0.0 {
             return None;
         }
-        let of_facets = self.facets.mirror_density(o, (o + i).normalize());
         Departure::continuous(i, joint_density(p, of_facets, i), 1.0)
     }
 

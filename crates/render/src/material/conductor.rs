@@ -29,6 +29,14 @@ pub struct Metal {
     eta: Spectrum,
     k: Spectrum,
     reflectance: Spectrum,
+    /// The interface, if the index is the same at every wavelength.
+    fixed: Option<ConductorInterface>,
+}
+
+/// The surface of a metal in vacuum; `None` where a table's index is zero, outside its wavelengths.
+#[inline]
+fn interface(eta: f32, k: f32) -> Option<ConductorInterface> {
+    ConductorInterface::new(1.0, f64::from(eta), f64::from(k)).ok()
 }
 
 impl Metal {
@@ -66,25 +74,26 @@ impl Metal {
             SpectrumUse::Reflectance,
             Spectrum::constant(1.0),
         )?;
+        let fixed = (eta.is_constant() && k.is_constant())
+            .then(|| interface(eta.value(0.0), k.value(0.0)))
+            .flatten();
         Ok(Self {
             eta,
             k,
             reflectance,
+            fixed,
         })
     }
 
     /// Reflection at an angle of incidence, at one wavelength; first axis perpendicular to the plane of incidence.
     #[inline]
     pub fn reflection(&self, cos_i: f32, wavelength: f32) -> Element {
-        let (eta, k) = (self.eta.value(wavelength), self.k.value(wavelength));
-        // a table's index is zero outside its wavelengths: black
-        ConductorInterface::new(1.0, f64::from(eta), f64::from(k)).map_or(
-            Element::BLACK,
-            |interface| {
-                Element::from(interface.reflection(f64::from(cos_i)))
-                    .scaled(self.reflectance.value(wavelength))
-            },
-        )
+        let at = |wavelength| interface(self.eta.value(wavelength), self.k.value(wavelength));
+        match self.fixed.or_else(|| at(wavelength)) {
+            Some(interface) => Element::from(interface.reflection(f64::from(cos_i)))
+                .scaled(self.reflectance.value(wavelength)),
+            None => Element::BLACK,
+        }
     }
 }
 

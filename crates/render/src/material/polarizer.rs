@@ -27,7 +27,8 @@ use crate::spectrum::{Spectrum, SpectrumUse};
 /// A linear polarizer.
 #[derive(Clone, Debug)]
 pub struct Polarizer {
-    theta: f64,
+    /// Sine and cosine of `theta`.
+    turn: (f64, f64),
     transmittance: Spectrum,
     polarizing: bool,
 }
@@ -36,7 +37,7 @@ impl Polarizer {
     /// Reads its parameters.
     pub fn read(object: &Object) -> Result<Self, SceneError> {
         Ok(Self {
-            theta: object.float("theta", 0.0)?.to_radians(),
+            turn: object.float("theta", 0.0)?.to_radians().sin_cos(),
             transmittance: object.spectrum(
                 "transmittance",
                 SpectrumUse::Reflectance,
@@ -66,7 +67,7 @@ impl Polarizer {
     /// The axis in the plate along which the field is absorbed; `None` if it does not polarize.
     #[inline(always)]
     pub(super) fn absorbing_axis(&self) -> Option<Vec3A> {
-        let (sin, cos) = self.theta.sin_cos();
+        let (sin, cos) = self.turn;
         self.polarizing
             .then(|| Vec3A::new(sin as f32, cos as f32, 0.0))
     }
@@ -103,7 +104,7 @@ impl Matter for Polarizer {
         let o = at.o;
         let transmittance = |lane: usize| self.transmittance.value(wavelengths[lane]);
         let (axis, ideal) = if self.polarizing {
-            let axis = axis_for(o, |k| element::polarizer_transmitted_axis(self.theta, k));
+            let axis = axis_for(o, |k| element::polarizer_transmitted_axis(self.turn, k));
             (axis, Element::from(element::linear_polarizer()))
         } else {
             (

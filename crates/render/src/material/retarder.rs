@@ -27,7 +27,8 @@ use crate::spectrum::{Spectrum, SpectrumUse};
 /// A linear retarder.
 #[derive(Clone, Debug)]
 pub struct Retarder {
-    theta: f64,
+    /// Sine and cosine of `theta`.
+    turn: (f64, f64),
     delta: Spectrum,
     transmittance: Spectrum,
 }
@@ -36,7 +37,7 @@ impl Retarder {
     /// Reads its parameters.
     pub fn read(object: &Object) -> Result<Self, SceneError> {
         Ok(Self {
-            theta: object.float("theta", 0.0)?.to_radians(),
+            turn: object.float("theta", 0.0)?.to_radians().sin_cos(),
             delta: object.spectrum("delta", SpectrumUse::Unbounded, Spectrum::constant(90.0))?,
             transmittance: object.spectrum(
                 "transmittance",
@@ -48,10 +49,10 @@ impl Retarder {
 }
 
 impl Retarder {
-    /// Angle of the fast axis, radians.
+    /// Sine and cosine of the angle of the fast axis.
     #[inline(always)]
-    pub(super) fn theta(&self) -> f64 {
-        self.theta
+    pub(super) fn turn(&self) -> (f64, f64) {
+        self.turn
     }
 
     /// Retardance in degrees, and transmittance.
@@ -78,7 +79,7 @@ impl Matter for Retarder {
         _: &Coherence,
     ) -> (L::Response, f32) {
         let o = at.o;
-        let axis = axis_for(o, |k| element::retarder_fast_axis(self.theta, k));
+        let axis = axis_for(o, |k| element::retarder_fast_axis(self.turn, k));
         let response = L::diattenuating_retarder(axis, |lane| {
             let delta = f64::from(self.delta.value(wavelengths[lane])).to_radians();
             let tilted = element::oblique_retardance(delta, o.as_dvec3().to_array());

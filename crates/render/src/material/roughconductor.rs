@@ -65,12 +65,12 @@ impl Matter for RoughConductor {
         if o.z <= 0.0 {
             return None;
         }
-        let m = self.facets.sample(o, [u[1], u[2]]);
+        let (m, density) = self.facets.sample_mirror(o, [u[1], u[2]]);
         let i = mirror(o, m);
         if i.z <= 0.0 {
             return None;
         }
-        Departure::continuous(i, self.facets.mirror_density(o, m), 1.0)
+        Departure::continuous(i, density, 1.0)
     }
 
     #[inline]

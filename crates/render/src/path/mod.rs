@@ -107,7 +107,7 @@ const ROULETTE: u32 = 6;
 #[derive(Clone, Copy, Debug)]
 pub struct CameraSample<'a> {
     /// Where its path begins.
-    pub start: Start<'a>,
+    pub start: &'a Start<'a>,
     /// Wavelengths in nm, one a lane.
     pub wavelengths: &'a [f32],
     /// Its random numbers.
@@ -141,10 +141,10 @@ pub fn trace<L: Light, W: Witness>(
     // the compiler makes one walk for each kind of scene
     if scene.traits().coherent {
         Walk::<L, W, true>::new(scene, options, &sample, stack, counters, witness)
-            .follow(&sample.start)
+            .follow(sample.start)
     } else {
         Walk::<L, W, false>::new(scene, options, &sample, stack, counters, witness)
-            .follow(&sample.start)
+            .follow(sample.start)
     }
 }
 
@@ -222,13 +222,14 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
                     &ray,
                 );
             }
-            let Some(met) = encounter else { break };
+            let Some(Encounter { surface, owner }) = encounter else {
+                break;
+            };
             if depth == options.max_depth {
                 break;
             }
-            let surface = &met.surface;
-            let material = &scene.materials[met.owner.material as usize];
-            let traits = scene.traits_of(met.owner.material);
+            let material = &scene.materials[owner.material as usize];
+            let traits = scene.traits_of(owner.material);
             if traits.black {
                 break;
             }
@@ -299,7 +300,7 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
             if !traits.discrete {
                 let place = connect::Place {
                     material,
-                    surface,
+                    surface: &surface,
                     vertex: &vertex,
                     lit_frame: &lit_frame,
                     lobe,
@@ -374,13 +375,13 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
                 if let Some(from) = waiting.as_ref().filter(|_| WAVES) {
                     self.way
                         .extend(response, weight, o_world, vertex.viewer_distance);
-                    self.way.note(departure.part, met.owner.material);
+                    self.way.note(departure.part, owner.material);
                     if self.way.is_lost() {
                         throughput = self.point_through(&throughput, from, 0.0);
                         waiting = None;
                     }
                 } else {
-                    throughput = L::extend(&throughput, response, weight, o_world);
+                    L::lengthen(&mut throughput, response, weight, o_world);
                     self.way.straight &= departure.part == Part::Straight;
                 }
             }

@@ -145,7 +145,7 @@ fn seen(built: &BuiltScene, patch: f32, samples: u64) -> (f64, f64, Counters) {
     let (mut sum, mut square) = (0.0, 0.0);
     for sample in 0..samples {
         let camera = CameraSample {
-            start: Start::Ray {
+            start: &Start::Ray {
                 ray: Ray {
                     origin: toward * 0.5,
                     direction: -toward,

@@ -198,18 +198,35 @@ impl Scene {
     pub fn intersect(&self, ray: &Ray, stack: &mut Stack) -> Option<Encounter> {
         let hit = self.trace::<false>(ray, stack)?;
         let triangle = hit.primitive as usize;
-        Some(if triangle < self.mesh_of.len() {
+        let (surface, owner) = if triangle < self.mesh_of.len() {
             let (mesh, local) = self.triangle(triangle);
-            Encounter {
-                surface: self.meshes[mesh].surface(local, hit.u, hit.v),
-                owner: self.mesh_owners[mesh],
-            }
+            (
+                self.meshes[mesh].surface(local, hit.u, hit.v),
+                self.mesh_owners[mesh],
+            )
         } else {
             let shape = triangle - self.mesh_of.len();
-            Encounter {
-                surface: self.shapes[shape].surface(ray, (hit.t, hit.u, hit.v)),
-                owner: self.shape_owners[shape],
-            }
+            (
+                self.shapes[shape].surface(ray, (hit.t, hit.u, hit.v)),
+                self.shape_owners[shape],
+            )
+        };
+        // vector by vector: whole it would be copied from place to place
+        let Surface {
+            position,
+            error,
+            normal,
+            frame: Frame { s, t, n },
+        } = surface;
+        let frame = Frame { s, t, n };
+        Some(Encounter {
+            surface: Surface {
+                position,
+                error,
+                normal,
+                frame,
+            },
+            owner,
         })
     }
 

@@ -25,9 +25,12 @@ use crate::shape::abreast::Rays;
 #[derive(Clone, Debug)]
 pub struct Perspective {
     origin: Vec3A,
+    /// These three are unit vectors across each other.
     right: Vec3A,
     up: Vec3A,
     forward: Vec3A,
+    /// −1 for a transform that mirrors: then right is on the other side of forward × up.
+    sense: f32,
     /// Half the film's width and height at unit distance.
     half: [f32; 2],
     /// The width and height of a pixel there.
@@ -107,11 +110,17 @@ impl Perspective {
         let origin = to_world.transform_point3(DVec3::ZERO).as_vec3a();
         within_reach(object, origin.abs().max_element())?;
         object.without_effect(&["near_clip", "far_clip", "shutter_open", "shutter_close"]);
+        // without what skew has been let pass
+        let forward = forward.normalize();
+        let up = up.reject_from_normalized(forward).normalize();
+        let side = forward.cross(up);
+        let sense = right.dot(side).signum();
         Ok(Self {
             origin,
-            right: (right / unit).as_vec3a(),
-            up: (up / unit).as_vec3a(),
-            forward: (forward / unit).as_vec3a(),
+            right: (side * sense).as_vec3a(),
+            up: up.as_vec3a(),
+            forward: forward.as_vec3a(),
+            sense: sense as f32,
             half: half.map(|h| h as f32),
             pixel: [0, 1].map(|axis| (2.0 * half[axis] / f64::from(size[axis])) as f32),
         })
@@ -123,8 +132,10 @@ impl Perspective {
         let right = x * self.pixel[0] - self.half[0];
         let up = self.half[1] - y * self.pixel[1];
         let toward = self.forward + self.right * right + self.up * up;
-        // neither waits for the other
-        let (direction, axis) = (toward.normalize(), toward.cross(self.up).normalize());
+        // toward × up
+        let across = (self.right - self.forward * right) * self.sense;
+        let across2 = 1.0 + right * right;
+        let (direction, axis) = (toward / (across2 + up * up).sqrt(), across / across2.sqrt());
         (
             Ray {
                 origin: self.origin,
@@ -142,12 +153,14 @@ impl Perspective {
         let up = R::splat(self.half[1]) - y * R::splat(self.pixel[1]);
         let above = V3::splat(self.up);
         let toward = V3::splat(self.forward) + V3::splat(self.right) * right + above * up;
+        let across = (V3::splat(self.right) - V3::splat(self.forward) * right) * R::splat(self.sense);
+        let across2 = R::one() + right * right;
         let rays = Rays {
             origin: V3::splat(self.origin),
-            direction: toward.normalize(),
+            direction: toward * (across2 + up * up).sqrt().recip(),
             t_max: R::splat(f32::INFINITY),
         };
-        (rays, toward.cross(above).normalize())
+        (rays, across * across2.sqrt().recip())
     }
 
     /// The view through the middle of a pixel of the film.
@@ -163,6 +176,47 @@ impl Perspective {
             direction,
             right,
             root: [spread(1.0, 0.0), spread(0.0, 1.0)],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::path::Start;
+    use crate::scene::{Overrides, build, read_text};
+
+    #[test]
+    fn the_frame_of_a_ray_is_across_it_and_level_with_the_camera() {
+        let forward = DVec3::new(-3.0, -1.5, -2.0).normalize();
+        let up = DVec3::new(0.2, 1.0, 0.1)
+            .reject_from_normalized(forward)
+            .normalize();
+        for mirror in ["", "<scale x='-1'/>"] {
+            let text = format!(
+                "<scene version='3.0.0'><sensor type='perspective'><float name='fov' value='100'/>
+                 <transform name='to_world'>{mirror}
+                 <lookat origin='1, 2, 3' target='-2, 0.5, 1' up='0.2, 1, 0.1'/></transform></sensor></scene>"
+            );
+            let document = read_text(&text, "test.xml".as_ref(), &[]).unwrap();
+            let built = build(&document, Overrides::default()).unwrap();
+            let [width, height] = built.film.size.map(|n| n as f32);
+            let look = |x: f32, y: f32| match built.camera.start(x * width, y * height) {
+                Start::Ray { ray, axis } => (ray.direction.as_dvec3(), axis.as_dvec3()),
+                Start::Plane(_) => panic!("a ray expected"),
+            };
+            for k in 0..121 {
+                let (x, y) = ((k % 11) as f32 / 10.0, (k / 11) as f32 / 10.0);
+                let (direction, axis) = look(x, y);
+                // a dozen roundings of numbers up to 1
+                let close = |a: f64, b: f64| (a - b).abs() < 12.0 * f64::from(f32::EPSILON / 2.0);
+                assert!(close(direction.length(), 1.0) && close(axis.length(), 1.0));
+                let expected = direction.cross(up).normalize();
+                assert!(close((axis - expected).length(), 0.0), "{axis} {expected}");
+            }
+            let along = (look(0.6, 0.5).0 - look(0.4, 0.5).0).dot(look(0.5, 0.5).1);
+            assert_eq!(along > 0.0, mirror.is_empty());
+            assert!((look(0.5, 0.4).0 - look(0.5, 0.6).0).dot(up) > 0.0);
         }
     }
 }

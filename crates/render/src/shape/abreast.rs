@@ -6,8 +6,8 @@ use glam::{DVec3, Vec3A};
 
 use super::rectangle::{FAR, LOW, Rectangle};
 use super::sphere::Sphere;
-use crate::geometry::ray::Ray;
-use crate::lanes::{Axes, Bits, Double, MOST, Mask, Real, V3, atan2, sin_cos_turns};
+use crate::geometry::ray::{Ray, gamma};
+use crate::lanes::{Axes, Double, MOST, Mask, Real, V3, atan2, sin_cos_turns};
 
 /// A [`Ray`] a lane.
 #[derive(Clone, Copy, Debug)]
@@ -102,29 +102,9 @@ pub fn offset_origins<R: Real>(
     normal: V3<R>,
     direction: V3<R>,
 ) -> V3<R> {
-    let distance = normal.abs().dot(error).copysign(direction.dot(normal));
-    let offset = normal * distance;
-    let moved = p + offset;
-    V3::new(
-        step(moved.x, offset.x),
-        step(moved.y, offset.y),
-        step(moved.z, offset.z),
-    )
-}
-
-/// The next number in the sense of another; the same where that is zero.
-#[inline(always)]
-fn step<R: Real>(x: R, sense: R) -> R {
-    let (bits, one) = (x.bits(), R::B::splat(1));
-    let away = R::of_bits(bits + one);
-    let back = R::of_bits(bits - one);
-    let (zero, up) = (R::zero(), sense.gt(R::zero()));
-    // away from zero if x lies on that side of it
-    let outward = R::select(up, x, -x).gt(zero);
-    let smallest = R::of_bits(one).copysign(sense);
-    let next = R::select(outward, away, back);
-    let next = R::select(x.eq(zero), smallest, next);
-    R::select(sense.eq(zero), x, next)
+    let reach = error * R::splat(1.0 + gamma(16)) + p.abs() * R::splat(f32::EPSILON);
+    let distance = normal.abs().dot(reach);
+    p + normal * distance.copysign(direction.dot(normal))
 }
 
 /// What rays contribute to tests against flat shapes: see `geometry/flat.rs`.
@@ -231,8 +211,9 @@ impl<D: Double> Wide<D> {
         Self([self.0[0] - o.0[0], self.0[1] - o.0[1], self.0[2] - o.0[2]])
     }
     #[inline(always)]
-    fn times(self, x: D) -> Self {
-        Self([self.0[0] * x, self.0[1] * x, self.0[2] * x])
+    fn cross(self, o: Self) -> Self {
+        let ([a, b, c], [x, y, z]) = (self.0, o.0);
+        Self([b * z - c * y, c * x - a * z, a * y - b * x])
     }
     #[inline(always)]
     fn dot(self, o: Self) -> D {
@@ -246,14 +227,17 @@ impl Sphere {
     pub(crate) fn meet<R: Real>(&self, rays: &Rays<R>, t_max: R) -> Hits<R> {
         let d = Wide::<R::D>::of(rays.direction);
         let to_centre = Wide::splat(self.centre_f64).minus(Wide::of(rays.origin));
-        let scale = R::D::splat(1.0) / d.dot(d);
-        let along = to_centre.dot(d) * scale;
-        let across = to_centre.minus(d.times(along));
-        let radius = f64::from(self.radius);
-        let half = (R::D::splat(radius * radius) - across.dot(across)) * scale;
+        let (squared, along) = (d.dot(d), to_centre.dot(d));
+        let across = to_centre.cross(d);
+        let radius2 = R::D::splat(self.radius_f64 * self.radius_f64);
+        let half = radius2 * squared - across.dot(across);
         let missed = half.is_negative();
         let half = half.max(R::D::splat(0.0)).sqrt();
-        let (near, far) = ((along - half).narrow(), (along + half).narrow());
+        let scale = R::D::splat(1.0) / squared;
+        let (near, far) = (
+            ((along - half) * scale).narrow(),
+            ((along + half) * scale).narrow(),
+        );
         let t = R::select(near.gt(R::zero()), near, far);
         Hits {
             exist: !missed & t.gt(R::zero()) & t.lt(t_max),

@@ -20,6 +20,7 @@ pub struct Sphere {
     pub(super) centre: Vec3A,
     pub(super) centre_f64: DVec3,
     pub(super) radius: f32,
+    pub(super) radius_f64: f64,
     pub(super) pole: Vec3A,
     /// +1: the front is outside.
     pub(super) side: f32,
@@ -41,6 +42,7 @@ impl Sphere {
             centre,
             centre_f64: centre.as_dvec3(),
             radius,
+            radius_f64: f64::from(radius),
             pole: c.z.normalize().as_vec3a(),
             side: if flip_normals { -sense } else { sense },
             sense,
@@ -61,18 +63,18 @@ impl Sphere {
     pub(super) fn intersect(&self, ray: &Ray, t_max: f32) -> Option<(f32, f32, f32)> {
         let d = ray.direction.as_dvec3();
         let to_centre = self.centre_f64 - ray.origin.as_dvec3();
-        // a division that need not wait for the dot product
-        let scale = d.length_squared().recip();
-        let along = to_centre.dot(d) * scale;
-        // distance of the ray from the centre, without the cancellation of b² − 4ac
-        let across = to_centre - d * along;
-        let radius = f64::from(self.radius);
-        let half = (radius * radius - across.length_squared()) * scale;
+        let (squared, along) = (d.length_squared(), to_centre.dot(d));
+        // distance of the ray from the centre, without the cancellation of b² − 4ac; the division waits for nothing else
+        let across = to_centre.cross(d);
+        let half = self.radius_f64 * self.radius_f64 * squared - across.length_squared();
         if half < 0.0 {
             return None;
         }
-        let half = half.sqrt();
-        let (near, far) = ((along - half) as f32, (along + half) as f32);
+        let (half, scale) = (half.sqrt(), squared.recip());
+        let (near, far) = (
+            ((along - half) * scale) as f32,
+            ((along + half) * scale) as f32,
+        );
         let t = if near > 0.0 { near } else { far };
         (t > 0.0 && t < t_max).then_some((t, 0.0, 0.0))
     }
@@ -85,11 +87,17 @@ impl Sphere {
         // the two roots do not wait for each other
         let (outward, u) = (from_centre / distance2.sqrt(), along_u / across2.sqrt());
         let normal = outward * self.side;
-        let frame = if across2 > 0.25 * distance2 {
-            // far from the poles a cross product is perpendicular to its factors within a few roundings
+        let frame = if across2 > 1e-4 * distance2 {
+            // a cross product is perpendicular to its factors within a few roundings, and nearer to the poles after one
+            // correction: so small that it leaves the length as it is
+            let s = if across2 > 0.25 * distance2 {
+                u
+            } else {
+                u - normal * normal.dot(u)
+            };
             Frame {
-                s: u,
-                t: normal.cross(u),
+                s,
+                t: normal.cross(s),
                 n: normal,
             }
         } else {

@@ -1,15 +1,16 @@
 //! The rectangle that a point sees on the sphere of its directions, and points on it that are uniform in solid angle.
 //!
-//! The plane is at height h over the point, the sides at x₀ < x₁ and y₀ < y₁ from the foot of the perpendicular. A corner
-//! is the complex number c(x, y) = h √(h² + x² + y²) + i x y, of argument asin(xy/(√(h² + x²) √(h² + y²))). Then
+//! The height of the plane over the point is the unit of length, the sides are at x₀ < x₁ and y₀ < y₁ from the foot of the
+//! perpendicular. A corner is the complex number c(x, y) = √(1 + x² + y²) + i x y, of argument
+//! asin(xy/(√(1 + x²) √(1 + y²))). Then
 //!
 //! ```text
 //! S = arg(c₁₁ c₁₀* c₀₀ c₀₁*),   e^(ik) = −c₀₁ c₀₀*/|c₀₁ c₀₀|,   φ = k + u S
-//! x = h c/√(1 − c²),            c = ±1/√(f² + b₀²),             f = (b₀ cos φ − b₁)/sin φ
-//! y = √(h² + x²) g/√(1 − g²),   g = (1 − v) g₀ + v g₁
+//! x = c/√(1 − c²),              c = ±1/√(f² + b₀²),             f = (b₀ cos φ − b₁)/sin φ
+//! y = √(1 + x²) g/√(1 − g²),    g = (1 − v) g₀ + v g₁
 //! ```
 //!
-//! with b₀ = −y₀/√(h² + y₀²), b₁ = y₁/√(h² + y₁²), gᵢ = yᵢ/√(h² + x² + yᵢ²) and the sign of f for c. Products of corners
+//! with b₀ = −y₀/√(1 + y₀²), b₁ = y₁/√(1 + y₁²), gᵢ = yᵢ/√(1 + x² + yᵢ²) and the sign of f for c. Products of corners
 //! instead of sums of angles: one arc tangent for S, and none for k.
 //!
 //! Source: Ureña, Fajardo, King, An Area-Preserving Parametrization for Spherical Rectangles, Computer Graphics Forum
@@ -19,7 +20,7 @@
 //! cosine are in single precision and cost 3e-7 of S. Shares of S are covered within 2e-6; of less than 1e-6 sr
 //! too few digits are left for that.
 
-use std::f32::consts::TAU;
+use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 use num_complex::Complex64;
 
@@ -29,6 +30,7 @@ pub(super) const LEAST: f32 = 1e-6;
 /// A rectangle as seen from a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SphericalRectangle {
+    /// In heights.
     x: [f64; 2],
     y: [f64; 2],
     height: f64,
@@ -38,18 +40,19 @@ pub(super) struct SphericalRectangle {
 }
 
 impl SphericalRectangle {
-    /// From the sides and the height over the point, which must be positive; `None` if less than [`LEAST`] is seen.
+    /// From the sides and the height over the point, which must be positive; `None` if less than [`LEAST`] is seen, or if
+    /// the sides are more than 1e18 heights away.
     #[inline]
     pub(super) fn new(x: [f64; 2], y: [f64; 2], height: f64) -> Option<Self> {
+        let unit = height.recip();
+        let (x, y) = (x.map(|x| x * unit), y.map(|y| y * unit));
         let corner = |i: usize, j: usize| {
-            let (x, y, h) = (x[i], y[j], height);
-            Complex64::new(h * (h * h + x * x + y * y).sqrt(), x * y)
+            let (x, y) = (x[i], y[j]);
+            Complex64::new((1.0 + x * x + y * y).sqrt(), x * y)
         };
         let start = -corner(0, 1) * corner(0, 0).conj();
         let whole = -corner(1, 1) * corner(1, 0).conj() * start.conj();
-        // as shares of the modulus: the products may not fit into single precision
-        let size = whole.norm();
-        let mut solid_angle = ((whole.im / size) as f32).atan2((whole.re / size) as f32);
+        let mut solid_angle = argument(whole);
         // more than π is only seen by who stands under it
         if solid_angle < 0.0 && x[0] < 0.0 && x[1] > 0.0 && y[0] < 0.0 && y[1] > 0.0 {
             solid_angle += TAU;
@@ -58,7 +61,7 @@ impl SphericalRectangle {
             x,
             y,
             height,
-            start: start / start.norm(),
+            start: start * start.norm_sqr().sqrt().recip(),
             solid_angle,
         })
     }
@@ -72,21 +75,47 @@ impl SphericalRectangle {
     /// A point uniform in solid angle, from the foot of the perpendicular.
     #[inline]
     pub(super) fn point(&self, [u, v]: [f32; 2]) -> [f64; 2] {
-        let ([x0, x1], [y0, y1], h) = (self.x, self.y, self.height);
+        let ([x0, x1], [y0, y1]) = (self.x, self.y);
         let (sin, cos) = (0.5 * u * self.solid_angle).sin_cos();
         let half = Complex64::new(f64::from(cos), f64::from(sin));
-        let phi = self.start * half * half / half.norm_sqr();
-        let near = h * h + y0 * y0;
-        let f = -y0 / near.sqrt() * phi.re - y1 / (h * h + y1 * y1).sqrt();
+        // of modulus 1 but for rounding in single precision
+        let phi = self.start * half * half * (2.0 - half.norm_sqr());
+        let [near0, near1] = [y0, y1].map(|y| (1.0 + y * y).sqrt().recip());
+        let f = -y0 * near0 * phi.re - y1 * near1;
         // (f² + b₀² sin²φ)(1 − c²), with f times sin φ
-        let rest = f * f - h * h / near * phi.im * phi.im;
-        let x = (h * phi.im * f.signum() / rest.max(0.0).sqrt()).clamp(x0, x1);
-        let across = h * h + x * x;
+        let rest = f * f - (phi.im * near0).powi(2);
+        let x = (phi.im * f.signum() / rest.max(0.0).sqrt()).clamp(x0, x1);
+        let across = 1.0 + x * x;
         let [g0, g1] = [y0, y1].map(|y| y / (across + y * y).sqrt());
         let g = g0 + f64::from(v) * (g1 - g0);
         let y = g * (across / (1.0 - g * g).max(0.0)).sqrt();
-        [x, y.clamp(y0, y1)]
+        [x * self.height, y.clamp(y0, y1) * self.height]
     }
+}
+
+/// The argument of a complex number in (−π, π], relative error below 3e-7.
+///
+/// An odd polynomial of least relative error for arc tangents up to π/4.
+#[inline]
+fn argument(z: Complex64) -> f32 {
+    let (x, y) = (z.re.abs(), z.im.abs());
+    let steep = y > x;
+    let ratio = (if steep { x / y } else { y / x }) as f32;
+    let p = [
+        -0.00469327294,
+        0.0242523963,
+        -0.0594863904,
+        0.0991429321,
+        -0.140194813,
+        0.19969724,
+        -0.333319908,
+        0.999999901,
+    ];
+    let square = ratio * ratio;
+    let within = ratio * p.iter().fold(0.0, |sum, c| sum * square + c);
+    let acute = if steep { FRAC_PI_2 - within } else { within };
+    let angle = if z.re < 0.0 { PI - acute } else { acute };
+    angle.copysign(z.im as f32)
 }
 
 #[cfg(test)]
@@ -120,6 +149,17 @@ mod tests {
             }
         }
         views
+    }
+
+    #[test]
+    fn arguments_are_as_accurate_as_stated() {
+        for k in -20_000..20_000 {
+            let expected = PI as f64 * (f64::from(k) + 0.5) / 20_000.0;
+            for size in [1e-100, 1.0, 1e100] {
+                let ratio = f64::from(argument(Complex64::from_polar(size, expected))) / expected;
+                assert!((ratio - 1.0).abs() < 3e-7, "{expected}: {ratio}");
+            }
+        }
     }
 
     #[test]

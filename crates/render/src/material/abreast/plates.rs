@@ -47,7 +47,7 @@ impl Retarder {
         at: &Vertices<R>,
         wavelengths: &L::Values<R>,
     ) -> L::Answers<R> {
-        let (sin, cos) = self.theta().sin_cos();
+        let (sin, cos) = self.turn();
         let u = projected(V3::splat(Vec3A::X), at.o);
         // the second axis on the wavefront is the one on the side of V, whichever way the light goes
         let v = at.o.cross(u) * R::one().copysign(at.o.z);

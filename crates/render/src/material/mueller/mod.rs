@@ -43,7 +43,7 @@ use table::Table;
 pub struct MuellerElement {
     table: Table,
     reflects: bool,
-    theta: f64,
+    turn: (f64, f64),
     effect: Effect,
 }
 
@@ -70,7 +70,7 @@ impl MuellerElement {
         Ok(Self {
             table,
             reflects,
-            theta,
+            turn: theta.sin_cos(),
             effect,
         })
     }
@@ -102,7 +102,7 @@ impl Matter for MuellerElement {
         let axis = if self.reflects {
             axis_s(Vec3A::Z, i)
         } else {
-            axis_for(at.o, |k| element::retarder_fast_axis(self.theta, k))
+            axis_for(at.o, |k| element::retarder_fast_axis(self.turn, k))
         };
         let response = L::general(axis, axis, |lane| {
             let matrix = self.table.at(wavelengths[lane], cos);
