@@ -10,7 +10,7 @@ mod net;
 
 use std::f32::consts::{FRAC_PI_4, TAU};
 
-use crate::lanes::{Bits, Real};
+use crate::lanes::{Bits, MOST, Real};
 pub use net::LARGEST_BLOCK;
 
 /// A generator of sample points, by the name that `--sampler` takes.
@@ -188,7 +188,67 @@ impl SampleStream {
     }
 }
 
+/// [`Stream`]s of samples, one after the other, from which lanes take theirs.
+#[derive(Clone, Copy, Debug)]
+pub struct Streams<const N: usize> {
+    words: [[u32; N]; 5],
+    stratified: bool,
+}
+
+impl<const N: usize> Streams<N> {
+    /// None yet.
+    pub fn new() -> Self {
+        Self {
+            words: [[0; N]; 5],
+            stratified: false,
+        }
+    }
+
+    /// Notes the lanes of a stream from place `first` on.
+    #[inline(always)]
+    pub fn put<R: Real>(&mut self, first: usize, stream: &Stream<R>) {
+        let [a, b] = stream.key;
+        let [c, d] = stream.block;
+        self.stratified = stream.stratified;
+        let all = [a, b, c, d, stream.place];
+        for (to, word) in self.words.iter_mut().zip(all) {
+            to[first..first + R::LANES].copy_from_slice(&word.lanes()[..R::LANES]);
+        }
+    }
+
+    /// Those of some places where the mask holds; elsewhere as before.
+    #[inline(always)]
+    pub fn take<R: Real>(&self, places: &[usize; MOST], mask: R::M, before: &Stream<R>) -> Stream<R> {
+        let [a, b] = before.key;
+        let [c, d] = before.block;
+        let mut all = [a, b, c, d, before.place];
+        for (to, words) in all.iter_mut().zip(&self.words) {
+            let fresh = R::B::from_fn(|lane| words[places[lane] % N]);
+            *to = R::select_bits(mask, fresh, *to);
+        }
+        let [a, b, c, d, place] = all;
+        Stream {
+            key: [a, b],
+            block: [c, d],
+            place,
+            stratified: self.stratified,
+        }
+    }
+}
+
 impl<R: Real> Stream<R> {
+    /// No samples.
+    #[inline(always)]
+    pub fn nothing() -> Self {
+        let zero = R::B::splat(0);
+        Self {
+            key: [zero; 2],
+            block: [zero; 2],
+            place: zero,
+            stratified: false,
+        }
+    }
+
     /// Two uniform numbers a lane, in [0, 1), at an even dimension and the next.
     #[inline(always)]
     pub fn pairs(self, dimension: R::B) -> [R; 2] {

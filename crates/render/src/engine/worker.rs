@@ -6,14 +6,14 @@ use crate::colour::{rgb_weights, sample_wavelength};
 use crate::film::{SampleColours, SampleSums, SpectralMode, TileSums};
 use crate::filter::FilterSampler;
 use crate::geometry::bvh::Stack;
-use crate::lanes::{Bits, MOST, Mask, Real, Task, each, run};
+use crate::lanes::{Bits, Real, Task, run};
 use crate::light::abreast::Abreast;
 use crate::light::{Intensity, Light, Polarized};
-use crate::path::abreast::{self, Beginnings};
+use crate::path::abreast::{self, QUEUE, Queue};
 use crate::path::witness::{CoherenceSums, Listener, View};
 use crate::path::{CameraSample, Counters, Start, trace};
 use crate::plan::Wavelengths;
-use crate::sampler::{PixelStream, SampleStream, Stream};
+use crate::sampler::{PixelStream, SampleStream};
 use crate::sensor::Camera;
 
 /// What a pass over a tile, or over all of them, has taken.
@@ -89,6 +89,16 @@ impl Pixel {
 /// Wavelengths of a camera sample in colour, evenly apart: as many as a path carries, or a path each.
 const PER_SAMPLE: usize = 4;
 
+/// Samples of a pixel, one after the other.
+struct Samples<'a> {
+    pixel: &'a Pixel,
+    first: u64,
+    count: usize,
+    /// Place of the first in its block, and the last place of a block.
+    place: u32,
+    last: u32,
+}
+
 /// A pass of a worker over a tile.
 struct Pass<'a, 't, L: Abreast> {
     worker: Worker<'a, L>,
@@ -162,7 +172,7 @@ impl<'a, L: Abreast> Worker<'a, L> {
     ) -> Taken {
         let abreast = self.goes_abreast();
         let mut colours = SampleColours::new(self.job.mode.colours());
-        let mut side_by_side = vec![colours.clone(); R::LANES];
+        let mut side_by_side = vec![colours.clone(); if abreast { QUEUE } else { 0 }];
         let mut open = SampleSums::new(self.job.mode.colours());
         for (x, y) in tile.pixels() {
             let (taken, goal) = (tile.taken(x, y), goals.of(x, y));
@@ -178,15 +188,17 @@ impl<'a, L: Abreast> Worker<'a, L> {
             // a power of two
             let last = goal.block - 1;
             if abreast {
-                for first in (taken..end).step_by(R::LANES) {
-                    let count = (end - first).min(R::LANES as u64) as usize;
+                for first in (taken..end).step_by(QUEUE) {
+                    let count = (end - first).min(QUEUE as u64) as usize;
                     let place = (first - goal.first) & last;
-                    let stream = match last {
-                        0 => pixel.stream.alone(first),
-                        _ => pixel.stream.in_blocks(first, place as u32, last as u32),
+                    let samples = Samples {
+                        pixel: &pixel,
+                        first,
+                        count,
+                        place: place as u32,
+                        last: last as u32,
                     };
-                    let lanes = R::M::from_bits((1 << count) - 1);
-                    self.samples::<R>(&pixel, stream, lanes, &mut side_by_side, stack);
+                    self.samples::<R>(&samples, &mut side_by_side, stack);
                     for (colours, sample) in side_by_side.iter().take(count).zip(first..) {
                         if !open.add(colours) {
                             self.taken.rejected += 1;
@@ -226,84 +238,39 @@ impl<'a, L: Abreast> Worker<'a, L> {
     #[inline(always)]
     fn samples<R: Real>(
         &mut self,
-        pixel: &Pixel,
-        stream: Stream<R>,
-        lanes: R::M,
+        samples: &Samples<'_>,
         colours: &mut [SampleColours],
         stack: &mut Stack,
     ) {
         let job = self.job;
-        let Camera::Perspective(camera) = &job.camera else {
-            return;
-        };
-        let film = &job.film;
-        let [column, row] = pixel.place;
-        let [u, v] = stream.pairs(R::B::splat(0));
-        let end = [0, 1].map(|axis| film.crop_offset[axis] + film.crop_size[axis]);
-        let x = self.filter.positions(column, u, film.crop_offset[0], end[0]);
-        let y = self.filter.positions(row, v, film.crop_offset[1], end[1]);
-        let (rays, axes) = camera.rays(x, y);
         for colours in colours.iter_mut() {
             colours.clear();
         }
-        let (one, mode) = (job.plan.wavelengths == Wavelengths::One, &job.mode);
-        // what is drawn within the bands, or over all colours
-        let place = match mode {
-            SpectralMode::Bands { .. } | SpectralMode::Rgb if !one => {
-                stream.pairs(R::B::splat(2))[0]
-            }
-            _ => R::zero(),
-        };
-        let mut drawn = [[(0.0, 0.0); PER_SAMPLE]; MOST];
-        let paths = match mode {
+        let one = job.plan.wavelengths == Wavelengths::One;
+        let paths = match &job.mode {
             SpectralMode::Bands { count, .. } if !one => count.div_ceil(L::LANES),
-            SpectralMode::Rgb if !one => {
-                let places = place.lanes();
-                each(lanes.bits(), |lane| {
-                    let u = places[lane];
-                    drawn[lane] = std::array::from_fn(|k| {
-                        sample_wavelength((u + k as f32 / PER_SAMPLE as f32).fract())
-                    });
-                });
-                PER_SAMPLE / L::LANES
-            }
+            SpectralMode::Rgb if !one => PER_SAMPLE / L::LANES,
             _ => 1,
         };
+        let mut drawn = [[(0.0, 0.0); PER_SAMPLE]; QUEUE];
+        let mut seen = [L::dark(); QUEUE];
         for path in 0..paths {
             let first = path * L::LANES;
-            let places = place.lanes();
-            let mut wavelengths = L::values(R::zero());
-            for (w, to) in wavelengths.as_mut().iter_mut().enumerate() {
-                *to = match mode {
-                    SpectralMode::Single(wavelength) => R::splat(*wavelength as f32),
-                    SpectralMode::Bands { from, .. } if one => R::splat(*from as f32),
-                    SpectralMode::Rgb if one => R::splat(mode.range()[0] as f32),
-                    SpectralMode::Bands { from, to, count } => {
-                        let width = (to - from) / *count as f64;
-                        let band = (first + w).min(count - 1) as f64;
-                        R::from_fn(|lane| (from + width * (band + f64::from(places[lane]))) as f32)
-                    }
-                    SpectralMode::Rgb => R::from_fn(|lane| drawn[lane][first + w].0),
-                };
+            let mut queue = Queue::default();
+            while queue.count < samples.count {
+                self.queue_up::<R>(samples, first, &mut queue, &mut drawn);
             }
-            let begin = Beginnings {
-                rays,
-                axes,
-                wavelengths,
-                stream,
-                lanes,
-            };
-            let seen = abreast::trace::<R, L>(
+            abreast::trace::<R, L>(
                 &job.scene,
                 &job.paths,
-                &begin,
+                &queue,
                 stack,
                 &mut self.taken.counters,
+                &mut seen,
             );
-            for (lane, colours) in colours.iter_mut().enumerate() {
-                let seen = L::lane(&seen, lane);
-                let seen = seen.as_ref();
-                match mode {
+            for (k, colours) in colours.iter_mut().enumerate().take(samples.count) {
+                let seen = seen[k].as_ref();
+                match &job.mode {
                     SpectralMode::Single(_) => colours.add(0, seen[0]),
                     SpectralMode::Bands { count, .. } if one => {
                         (0..*count).for_each(|band| colours.add(band, seen[0]));
@@ -315,8 +282,7 @@ impl<'a, L: Abreast> Worker<'a, L> {
                         }
                     }
                     SpectralMode::Rgb => {
-                        for (stokes, (wavelength, density)) in
-                            seen.iter().zip(&drawn[lane][first..])
+                        for (stokes, (wavelength, density)) in seen.iter().zip(&drawn[k][first..])
                         {
                             if job.plan.grey {
                                 colours.add_grey(*stokes / PER_SAMPLE as f32);
@@ -329,6 +295,75 @@ impl<'a, L: Abreast> Worker<'a, L> {
                 }
             }
         }
+    }
+
+    /// Appends a few samples to the queue, with the wavelengths from number `path` on; notes those that are drawn.
+    #[inline(always)]
+    fn queue_up<R: Real>(
+        &self,
+        samples: &Samples<'_>,
+        path: usize,
+        queue: &mut Queue,
+        drawn: &mut [[(f32, f32); PER_SAMPLE]; QUEUE],
+    ) {
+        let job = self.job;
+        let Camera::Perspective(camera) = &job.camera else {
+            return;
+        };
+        let (film, pixel, begun) = (&job.film, samples.pixel, queue.count);
+        let first = samples.first + begun as u64;
+        let stream = match samples.last {
+            0 => pixel.stream.alone::<R>(first),
+            last => {
+                let place = (samples.place + begun as u32) & last;
+                pixel.stream.in_blocks::<R>(first, place, last)
+            }
+        };
+        let [column, row] = pixel.place;
+        let [u, v] = stream.pairs(R::B::splat(0));
+        let end = [
+            film.crop_offset[0] + film.crop_size[0],
+            film.crop_offset[1] + film.crop_size[1],
+        ];
+        let x = self.filter.positions(column, u, film.crop_offset[0], end[0]);
+        let y = self.filter.positions(row, v, film.crop_offset[1], end[1]);
+        let (rays, axes) = camera.rays(x, y);
+        let count = (samples.count - begun).min(R::LANES);
+        let one = job.plan.wavelengths == Wavelengths::One;
+        let mut wavelengths = L::values(R::zero());
+        match &job.mode {
+            SpectralMode::Single(wavelength) => {
+                wavelengths = L::values(R::splat(*wavelength as f32));
+            }
+            mode if one => wavelengths = L::values(R::splat(mode.range()[0] as f32)),
+            SpectralMode::Bands { from, to, count } => {
+                let place = stream.pairs(R::B::splat(2))[0].lanes();
+                let width = (to - from) / *count as f64;
+                for (w, value) in wavelengths.as_mut().iter_mut().enumerate() {
+                    let band = (path + w).min(count - 1) as f64;
+                    *value =
+                        R::from_fn(|lane| (from + width * (band + f64::from(place[lane]))) as f32);
+                }
+            }
+            SpectralMode::Rgb => {
+                let place = stream.pairs(R::B::splat(2))[0].lanes();
+                for (drawn, u) in drawn[begun..].iter_mut().zip(place).take(count) {
+                    *drawn = std::array::from_fn(|k| {
+                        sample_wavelength((u + k as f32 / PER_SAMPLE as f32).fract())
+                    });
+                }
+                for (w, value) in wavelengths.as_mut().iter_mut().enumerate() {
+                    let last = QUEUE - 1;
+                    *value = R::from_fn(|lane| drawn[(begun + lane).min(last)][path + w].0);
+                }
+            }
+        }
+        queue.append(
+            (rays.origin, rays.direction, axes),
+            wavelengths.as_ref(),
+            &stream,
+            count,
+        );
     }
 
     /// One camera sample of a pixel; also its coherence, if that is asked for.

@@ -171,6 +171,13 @@ impl Bits for U8 {
         unsafe { Self(arch::_mm256_loadu_si256(all.as_ptr().cast())) }
     }
     #[inline(always)]
+    fn lanes(self) -> [u32; MOST] {
+        let mut all = [0; MOST];
+        // SAFETY: values of this type exist only where the instructions do; room for as many numbers as are written
+        unsafe { arch::_mm256_storeu_si256(all.as_mut_ptr().cast(), self.0) };
+        all
+    }
+    #[inline(always)]
     fn shl<const N: i32>(self) -> Self {
         // SAFETY: values of this type exist only where the instructions do
         unsafe { Self(arch::_mm256_slli_epi32::<N>(self.0)) }

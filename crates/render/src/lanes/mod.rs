@@ -53,6 +53,8 @@ pub trait Bits:
     fn splat(x: u32) -> Self;
     /// Lane by lane.
     fn from_fn(f: impl FnMut(usize) -> u32) -> Self;
+    /// All lanes; of [`MOST`] only as many count as there are.
+    fn lanes(self) -> [u32; MOST];
     /// Times 2ⁿ.
     fn shl<const N: i32>(self) -> Self;
     /// Over 2ⁿ.
@@ -134,6 +136,11 @@ pub trait Real:
     fn eq(self, other: Self) -> Self::M;
     /// `a` where the mask holds, elsewhere `b`.
     fn select(mask: Self::M, a: Self, b: Self) -> Self;
+    /// `a` where the mask holds, elsewhere `b`.
+    #[inline(always)]
+    fn select_bits(mask: Self::M, a: Self::B, b: Self::B) -> Self::B {
+        Self::select(mask, Self::of_bits(a), Self::of_bits(b)).bits()
+    }
     /// Its bits.
     fn bits(self) -> Self::B;
     /// From bits.

@@ -25,6 +25,10 @@ impl Bits for Wrapping<u32> {
         Self(f(0))
     }
     #[inline(always)]
+    fn lanes(self) -> [u32; MOST] {
+        [self.0; MOST]
+    }
+    #[inline(always)]
     fn shl<const N: i32>(self) -> Self {
         Self(self.0 << N)
     }

@@ -204,8 +204,10 @@ pub trait Abreast: Light {
     fn dark_lanes<R: Real>() -> Self::Seen<R>;
     /// More light where the mask holds.
     fn add<R: Real>(sum: &mut Self::Seen<R>, more: &Self::Seen<R>, mask: R::M);
-    /// What one lane has seen.
-    fn lane<R: Real>(seen: &Self::Seen<R>, lane: usize) -> Self::Stokes;
+    /// Nothing any more where the mask holds.
+    fn clear<R: Real>(sum: &mut Self::Seen<R>, mask: R::M);
+    /// What each lane has seen; of [`MOST`] only as many count as there are.
+    fn all_lanes<R: Real>(seen: &Self::Seen<R>) -> [Self::Stokes; MOST];
     /// See [`Light::strength`].
     fn strengths<R: Real>(throughput: &Self::Throughputs<R>) -> R;
     /// See [`Light::reach`].
@@ -529,11 +531,24 @@ impl<const N: usize> Abreast for Polarized<N> {
         }
     }
     #[inline(always)]
-    fn lane<R: Real>(seen: &[[R; 4]; N], lane: usize) -> [Vec4; N] {
-        each_wavelength!(w, Vec4::ZERO, {
+    fn clear<R: Real>(sum: &mut [[R; 4]; N], mask: R::M) {
+        for stokes in sum {
+            for value in stokes {
+                *value = value.only(!mask);
+            }
+        }
+    }
+    #[inline(always)]
+    fn all_lanes<R: Real>(seen: &[[R; 4]; N]) -> [[Vec4; N]; MOST] {
+        let mut all = [[Vec4::ZERO; N]; MOST];
+        for w in 0..N {
             let [a, b, c, d] = seen[w];
-            vec4(a.lane(lane), b.lane(lane), c.lane(lane), d.lane(lane))
-        })
+            let (a, b, c, d) = (a.lanes(), b.lanes(), c.lanes(), d.lanes());
+            for (lane, to) in all.iter_mut().enumerate() {
+                to[w] = vec4(a[lane], b[lane], c[lane], d[lane]);
+            }
+        }
+        all
     }
     #[inline(always)]
     fn strengths<R: Real>(throughput: &Throughputs<R, N>) -> R {
@@ -675,8 +690,21 @@ impl<const N: usize> Abreast for Intensity<N> {
         }
     }
     #[inline(always)]
-    fn lane<R: Real>(seen: &[R; N], lane: usize) -> [Vec4; N] {
-        each_wavelength!(w, Vec4::ZERO, vec4(seen[w].lane(lane), 0.0, 0.0, 0.0))
+    fn clear<R: Real>(sum: &mut [R; N], mask: R::M) {
+        for value in sum {
+            *value = value.only(!mask);
+        }
+    }
+    #[inline(always)]
+    fn all_lanes<R: Real>(seen: &[R; N]) -> [[Vec4; N]; MOST] {
+        let mut all = [[Vec4::ZERO; N]; MOST];
+        for w in 0..N {
+            let s0 = seen[w].lanes();
+            for (lane, to) in all.iter_mut().enumerate() {
+                to[w] = vec4(s0[lane], 0.0, 0.0, 0.0);
+            }
+        }
+        all
     }
     #[inline(always)]
     fn strengths<R: Real>(throughput: &[R; N]) -> R {

@@ -13,24 +13,94 @@ use crate::lanes::{Axes, Bits, MOST, Mask, Real, V3, each};
 use crate::light::abreast::{Abreast, Shine};
 use crate::material::abreast::Vertices;
 use crate::material::{Material, Traits};
-use crate::sampler::Stream;
+use crate::sampler::{Stream, Streams};
 use crate::scene::Scene;
 use crate::scene::abreast::{Encounters, NONE, groups};
 use crate::shape::abreast::{Rays, Surfaces, offset_origins};
 
-/// Camera samples as they begin, one a lane.
+/// Most camera samples that are handed over at once: lanes whose path has ended take the next of these.
+pub const QUEUE: usize = 64;
+
+/// Camera samples as they begin, one after the other.
 #[derive(Clone, Copy, Debug)]
-pub struct Beginnings<R: Real, V> {
-    /// Their rays.
-    pub rays: Rays<R>,
-    /// First axes of their Stokes frames.
-    pub axes: V3<R>,
-    /// Their wavelengths, nm.
-    pub wavelengths: V,
-    /// Their random numbers.
-    pub stream: Stream<R>,
-    /// Which lanes there are.
-    pub lanes: R::M,
+pub struct Queue {
+    /// How many there are.
+    pub count: usize,
+    origin: [[f32; QUEUE]; 3],
+    direction: [[f32; QUEUE]; 3],
+    axes: [[f32; QUEUE]; 3],
+    wavelengths: [[f32; QUEUE]; WAVES],
+    streams: Streams<QUEUE>,
+}
+
+/// Most wavelengths of a path.
+const WAVES: usize = 4;
+
+impl Default for Queue {
+    fn default() -> Self {
+        Self {
+            count: 0,
+            origin: [[0.0; QUEUE]; 3],
+            direction: [[0.0; QUEUE]; 3],
+            axes: [[0.0; QUEUE]; 3],
+            wavelengths: [[0.0; QUEUE]; WAVES],
+            streams: Streams::new(),
+        }
+    }
+}
+
+#[inline(always)]
+fn put<R: Real>(to: &mut [f32; QUEUE], first: usize, value: R) {
+    to[first..first + R::LANES].copy_from_slice(&value.lanes()[..R::LANES]);
+}
+
+#[inline(always)]
+fn take<R: Real>(from: &[f32; QUEUE], places: &[usize; MOST], mask: R::M, before: R) -> R {
+    let fresh = R::from_fn(|lane| from[places[lane] % QUEUE]);
+    R::select(mask, fresh, before)
+}
+
+#[inline(always)]
+fn put_vector<R: Real>(to: &mut [[f32; QUEUE]; 3], first: usize, v: V3<R>) {
+    put(&mut to[0], first, v.x);
+    put(&mut to[1], first, v.y);
+    put(&mut to[2], first, v.z);
+}
+
+#[inline(always)]
+fn take_vector<R: Real>(
+    from: &[[f32; QUEUE]; 3],
+    places: &[usize; MOST],
+    mask: R::M,
+    before: V3<R>,
+) -> V3<R> {
+    V3::new(
+        take(&from[0], places, mask, before.x),
+        take(&from[1], places, mask, before.y),
+        take(&from[2], places, mask, before.z),
+    )
+}
+
+impl Queue {
+    /// Appends one sample a lane; those beyond `count` are overwritten by the next.
+    #[inline(always)]
+    pub fn append<R: Real>(
+        &mut self,
+        (origin, direction, axes): (V3<R>, V3<R>, V3<R>),
+        wavelengths: &[R],
+        stream: &Stream<R>,
+        count: usize,
+    ) {
+        let first = self.count;
+        put_vector(&mut self.origin, first, origin);
+        put_vector(&mut self.direction, first, direction);
+        put_vector(&mut self.axes, first, axes);
+        for (to, value) in self.wavelengths.iter_mut().zip(wavelengths) {
+            put(to, first, *value);
+        }
+        self.streams.put(first, stream);
+        self.count += count;
+    }
 }
 
 /// Paths on their way.
@@ -54,39 +124,72 @@ struct Paths<R: Real, L: Abreast> {
     seen: L::Seen<R>,
 }
 
-/// What paths side by side collect.
+/// What paths side by side collect, in the order of the queue.
 #[inline(always)]
 pub fn trace<R: Real, L: Abreast>(
     scene: &Scene,
     options: &PathOptions,
-    begin: &Beginnings<R, L::Values<R>>,
+    queue: &Queue,
     stack: &mut Stack,
     counters: &mut Counters,
-) -> L::Seen<R> {
-    counters.paths += u64::from(begin.lanes.bits().count_ones());
+    seen: &mut [L::Stokes; QUEUE],
+) {
+    counters.paths += queue.count as u64;
+    if options.max_depth == 0 {
+        seen.fill(L::dark());
+        return;
+    }
+    let nothing = V3::splat(Vec3A::Z);
     let mut paths = Paths::<R, L> {
-        rays: begin.rays,
-        wavelengths: begin.wavelengths,
-        stream: begin.stream,
-        alive: begin.lanes,
+        rays: Rays {
+            origin: nothing,
+            direction: nothing,
+            t_max: R::splat(f32::INFINITY),
+        },
+        wavelengths: L::values(R::one()),
+        stream: Stream::nothing(),
+        alive: R::nowhere(),
         depth: R::one(),
-        throughput: L::beginning(begin.axes),
+        throughput: L::beginning(nothing),
         eta: R::one(),
         scattered: R::nowhere(),
-        origin: begin.rays.origin,
-        lit: begin.axes,
+        origin: nothing,
+        lit: nothing,
         density: R::one(),
-        departure: begin.rays.direction,
+        departure: nothing,
         straight: R::everywhere(),
         seen: L::dark_lanes(),
     };
-    // depth 0 is no path at all
-    paths.alive = paths.alive & R::one().le(R::splat(options.max_depth as f32));
-    while paths.alive.any() {
+    // whose path each lane follows; `QUEUE`: nobody's
+    let mut places = [QUEUE; MOST];
+    let mut next = 0;
+    loop {
+        let idle = (!paths.alive & R::everywhere()).bits();
+        let waiting = queue.count - next;
+        // taking up paths costs the same for one lane as for all
+        if idle.count_ones() as usize >= PATIENCE.min(R::LANES) && waiting > 0 {
+            paths.hand_in(&mut places, idle, seen);
+            let mut fresh = 0;
+            each(idle, |lane| {
+                if next < queue.count {
+                    places[lane] = next;
+                    next += 1;
+                    fresh |= 1 << lane;
+                }
+            });
+            paths.take_up(queue, &places, R::M::from_bits(fresh));
+        }
+        if !paths.alive.any() {
+            break;
+        }
         paths.step(scene, options, stack, counters);
     }
-    paths.seen
+    let all = R::everywhere().bits();
+    paths.hand_in(&mut places, all, seen);
 }
+
+/// So many lanes stand idle before they take up new paths.
+const PATIENCE: usize = 2;
 
 #[inline(always)]
 fn power_heuristic<R: Real>(own: R, other: R) -> R {
@@ -195,6 +298,45 @@ struct Looked<R: Real, V> {
 }
 
 impl<R: Real, L: Abreast> Paths<R, L> {
+    /// Hands in what lanes have collected.
+    #[inline(always)]
+    fn hand_in(
+        &self,
+        places: &mut [usize; MOST],
+        lanes: u32,
+        seen: &mut [L::Stokes; QUEUE],
+    ) {
+        let collected = L::all_lanes(&self.seen);
+        each(lanes, |lane| {
+            if let Some(to) = seen.get_mut(places[lane]) {
+                *to = collected[lane];
+            }
+            places[lane] = QUEUE;
+        });
+    }
+
+    /// Begins the paths at some places of the queue.
+    #[inline(always)]
+    fn take_up(&mut self, queue: &Queue, places: &[usize; MOST], lanes: R::M) {
+        let rays = &mut self.rays;
+        rays.origin = take_vector(&queue.origin, places, lanes, rays.origin);
+        rays.direction = take_vector(&queue.direction, places, lanes, rays.direction);
+        let axes = take_vector(&queue.axes, places, lanes, self.lit);
+        for (value, from) in self.wavelengths.as_mut().iter_mut().zip(&queue.wavelengths) {
+            *value = take(from, places, lanes, *value);
+        }
+        self.stream = queue.streams.take(places, lanes, &self.stream);
+        self.throughput = L::select(lanes, &L::beginning(axes), &self.throughput);
+        self.depth = R::select(lanes, R::one(), self.depth);
+        self.eta = R::select(lanes, R::one(), self.eta);
+        self.density = R::select(lanes, R::one(), self.density);
+        self.scattered = self.scattered & !lanes;
+        self.straight = self.straight | lanes;
+        self.departure = V3::select(lanes, rays.direction, self.departure);
+        L::clear(&mut self.seen, lanes);
+        self.alive = self.alive | lanes;
+    }
+
     /// One link further: from where the paths are to the next matter, and the direction in which they leave it.
     #[inline(always)]
     fn step(

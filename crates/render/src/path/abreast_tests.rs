@@ -2,17 +2,15 @@
 
 use std::path::Path;
 
-use glam::Vec4;
+use glam::{Vec3A, Vec4};
 
-use super::abreast::{self, Beginnings};
+use super::abreast::{self, QUEUE, Queue};
 use super::{CameraSample, Counters, Start, trace};
-use crate::lanes::{Mask, Real, Task, V3, run};
+use crate::lanes::{Bits, MOST, Real, Task, V3, run};
 use crate::light::Polarized;
-use crate::light::abreast::Abreast;
 use crate::sampler::PixelStream;
 use crate::scene::{BuiltScene, Overrides, build, read_text};
 use crate::sensor::Camera;
-use crate::shape::abreast::Rays;
 
 fn built(content: &str) -> BuiltScene {
     let text = format!(
@@ -27,7 +25,7 @@ fn built(content: &str) -> BuiltScene {
     build(&document, Overrides::default()).expect("a scene")
 }
 
-const SAMPLES: u64 = 4000;
+const SAMPLES: u64 = 4096;
 
 /// The light of samples of one pixel, in the order of their numbers.
 struct Samples<'a>(&'a BuiltScene);
@@ -40,41 +38,46 @@ impl Task for Samples<'_> {
         let (scene, mut counters) = (&self.0.scene, Counters::default());
         let mut stack = scene.stack();
         let mut found = vec![];
-        for first in (0..SAMPLES).step_by(R::LANES) {
-            let mut rays = vec![];
-            let stream = PixelStream::new(1, 7).in_blocks::<R>(first, (first % 16) as u32, 15);
-            let [u, v] = stream.pairs(<R::B as crate::lanes::Bits>::splat(0));
-            for lane in 0..R::LANES {
-                rays.push(start(self.0, [u.lane(lane), v.lane(lane)]));
+        for first in (0..SAMPLES).step_by(QUEUE) {
+            let mut queue = Queue::default();
+            while queue.count < QUEUE {
+                let first = first + queue.count as u64;
+                let stream = PixelStream::new(1, 7).in_blocks::<R>(first, (first % 16) as u32, 15);
+                let [u, v] = stream.pairs(<R::B as Bits>::splat(0));
+                let (u, v) = (u.lanes(), v.lanes());
+                let mut rays = [[Vec3A::Z; MOST]; 3];
+                for lane in 0..R::LANES {
+                    let (ray, axis) = start(self.0, [u[lane], v[lane]]);
+                    rays[0][lane] = ray.origin;
+                    rays[1][lane] = ray.direction;
+                    rays[2][lane] = axis;
+                }
+                let [origin, direction, axis] = &rays;
+                let begin = (
+                    V3::from_lanes(origin),
+                    V3::from_lanes(direction),
+                    V3::from_lanes(axis),
+                );
+                queue.append(begin, &[R::splat(550.0)], &stream, R::LANES);
             }
-            let begin = Beginnings {
-                rays: Rays {
-                    origin: V3::from_fn(|lane| rays[lane].0.origin),
-                    direction: V3::from_fn(|lane| rays[lane].0.direction),
-                    t_max: R::splat(f32::INFINITY),
-                },
-                axes: V3::from_fn(|lane| rays[lane].1),
-                wavelengths: <Polarized<1> as Abreast>::values(R::splat(550.0)),
-                stream,
-                lanes: R::M::from_bits((1 << R::LANES) - 1),
-            };
-            let seen = abreast::trace::<R, Polarized<1>>(
+            let mut seen = [[Vec4::ZERO]; QUEUE];
+            let (options, stack) = (&self.0.paths, &mut stack);
+            abreast::trace::<R, Polarized<1>>(
                 scene,
-                &self.0.paths,
-                &begin,
-                &mut stack,
+                options,
+                &queue,
+                stack,
                 &mut counters,
+                &mut seen,
             );
-            for lane in 0..R::LANES {
-                found.push(<Polarized<1> as Abreast>::lane(&seen, lane)[0]);
-            }
+            found.extend(seen.map(|[stokes]| stokes));
         }
         found
     }
 }
 
 /// A ray through a place of the film, from the lower left to the upper right.
-fn start(built: &BuiltScene, [u, v]: [f32; 2]) -> (crate::geometry::ray::Ray, glam::Vec3A) {
+fn start(built: &BuiltScene, [u, v]: [f32; 2]) -> (crate::geometry::ray::Ray, Vec3A) {
     let Camera::Perspective(camera) = &built.camera else {
         panic!("a pinhole")
     };
@@ -91,7 +94,7 @@ fn walked(built: &BuiltScene) -> Vec<Vec4> {
             let stream = PixelStream::new(1, 7).in_blocks::<f32>(sample, (sample % 16) as u32, 15);
             let (ray, axis) = start(built, stream.pair(0));
             let camera = CameraSample {
-                start: Start::Ray { ray, axis },
+                start: &Start::Ray { ray, axis },
                 wavelengths: &[550.0],
                 stream,
             };
