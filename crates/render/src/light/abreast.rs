@@ -3,7 +3,7 @@
 //! Throughputs are whole matrices here. Behind a depolarizer all but the first column is zero: lanes of either kind then
 //! go on together, and no lane waits for another.
 
-use glam::{Vec3A, Vec4, vec4};
+use glam::{Mat4, Vec3A, Vec4, vec4};
 
 use super::{Element, Intensity, Light, MuellerResponse, Polarized, Sight};
 use crate::lanes::{Axes, MOST, Real, V3, each};
@@ -159,6 +159,12 @@ pub trait Abreast: Light {
     fn depolarizing_lanes<R: Real>(m00: Self::Values<R>) -> Self::Answers<R>;
     /// Matter that is diagonal in the frame of `axis`.
     fn diagonal_lanes<R: Real>(axis: V3<R>, elements: &Self::Diagonals<R>) -> Self::Answers<R>;
+    /// Matter with the same matrix in all lanes, times a factor, in the frame of `axis` on both sides.
+    fn general_lanes<R: Real>(
+        axis: V3<R>,
+        matrix: &Mat4,
+        factors: &Self::Values<R>,
+    ) -> Self::Answers<R>;
     /// The answers of lanes that were asked one by one; `o` is the direction toward the sensor, `i` that toward the light.
     fn gathered<R: Real>(
         lanes: u32,
@@ -320,6 +326,21 @@ impl<const N: usize> Abreast for Polarized<N> {
     #[inline(always)]
     fn diagonal_lanes<R: Real>(axis: V3<R>, elements: &[Elements<R>; N]) -> Answers<R, N> {
         Answers::Diagonal(axis, *elements)
+    }
+    #[inline(always)]
+    fn general_lanes<R: Real>(axis: V3<R>, matrix: &Mat4, factors: &[R; N]) -> Answers<R, N> {
+        let columns = matrix.to_cols_array_2d();
+        let none = [[R::zero(); 4]; 4];
+        let matrices = each_wavelength!(w, none, {
+            let mut m = none;
+            for (to, from) in m.iter_mut().zip(&columns) {
+                for (to, from) in to.iter_mut().zip(from) {
+                    *to = R::splat(*from) * factors[w];
+                }
+            }
+            m
+        });
+        Answers::General(axis, axis, matrices)
     }
     #[inline(always)]
     fn gathered<R: Real>(
@@ -617,6 +638,10 @@ impl<const N: usize> Abreast for Intensity<N> {
     #[inline(always)]
     fn diagonal_lanes<R: Real>(_: V3<R>, elements: &[Elements<R>; N]) -> [R; N] {
         each_wavelength!(i, R::zero(), elements[i].mean)
+    }
+    #[inline(always)]
+    fn general_lanes<R: Real>(_: V3<R>, matrix: &Mat4, factors: &[R; N]) -> [R; N] {
+        each_wavelength!(i, R::zero(), R::splat(matrix.x_axis.x) * factors[i])
     }
     #[inline(always)]
     fn gathered<R: Real>(

@@ -45,6 +45,20 @@ impl Circular {
     }
 }
 
+impl Circular {
+    /// Its matrix, the same in all frames, but for its transmittance.
+    #[inline(always)]
+    pub(super) fn matrix(&self) -> &Mat4 {
+        &self.matrix
+    }
+
+    /// What it lets through of the light that it does not absorb.
+    #[inline(always)]
+    pub(super) fn transmittance(&self) -> &Spectrum {
+        &self.transmittance
+    }
+}
+
 impl Matter for Circular {
     #[inline]
     fn sample(&self, at: &Vertex, _: &[f32], _: [f32; 3]) -> Option<Departure> {

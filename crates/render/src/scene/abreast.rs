@@ -147,6 +147,7 @@ impl Scene {
         match shape {
             Shape::Rectangle(s) => shears.meet(s.corners(), t_max),
             Shape::Sphere(s) => s.meet(rays, t_max),
+            Shape::Cube(s) => s.meet(rays, t_max),
             _ => {
                 let mut found = [Vec3A::ZERO; MOST];
                 let mut exist = 0;
@@ -204,6 +205,7 @@ impl Scene {
             let found = match &self.shapes[number as usize] {
                 Shape::Rectangle(s) => s.surfaces(u, v),
                 Shape::Sphere(s) => s.surfaces(rays, t),
+                Shape::Cube(s) => s.surfaces(rays, t, u),
                 shape => {
                     let mut vectors = [[Vec3A::Z; MOST]; 6];
                     let (rays, t, u, v) = (rays.lanes(), t.lanes(), u.lanes(), v.lanes());

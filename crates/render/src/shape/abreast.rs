@@ -4,6 +4,7 @@ use std::f32::consts::TAU;
 
 use glam::{DVec3, Vec3A};
 
+use super::cube::Cube;
 use super::rectangle::{FAR, LOW, Rectangle};
 use super::sphere::Sphere;
 use crate::geometry::ray::{Ray, gamma};
@@ -337,6 +338,76 @@ impl Sphere {
         let cap = sin2 / (one + (one - sin2).max(R::zero()).sqrt());
         let by_area = area_densities(self.area(), from, at.position, at.normal);
         R::select(outside, (R::splat(TAU) * cap).recip(), by_area)
+    }
+}
+
+impl Cube {
+    /// Where rays meet it; the first parameter is the index of the face.
+    #[inline(always)]
+    pub(crate) fn meet<R: Real>(&self, rays: &Rays<R>, t_max: R) -> Hits<R> {
+        let from = rays.origin - V3::splat(self.centre);
+        let (zero, one) = (R::zero(), R::one());
+        let (mut near, mut far) = (R::splat(f32::NEG_INFINITY), R::splat(f32::INFINITY));
+        let (mut near_face, mut far_face) = (zero, zero);
+        for (axis, row) in self.rows.iter().enumerate() {
+            let row = V3::splat(*row);
+            let o = row.dot(from);
+            let inverse = row.dot(rays.direction).recip();
+            let (a, b) = ((-one - o) * inverse, (one - o) * inverse);
+            let low_first = inverse.ge(zero);
+            let (enter, leave) = (R::select(low_first, a, b), R::select(low_first, b, a));
+            let (low, high) = (R::splat((2 * axis) as f32), R::splat((2 * axis + 1) as f32));
+            // comparisons are false for what is not a number: a ray within the plane of a face is not clipped by it
+            let enters = enter.gt(near);
+            near = R::select(enters, enter, near);
+            near_face = R::select(enters, R::select(low_first, low, high), near_face);
+            let leaves = leave.lt(far);
+            far = R::select(leaves, leave, far);
+            far_face = R::select(leaves, R::select(low_first, high, low), far_face);
+        }
+        let outside = near.gt(zero);
+        let t = R::select(outside, near, far);
+        Hits {
+            exist: near.le(far) & t.gt(zero) & t.lt(t_max),
+            t,
+            u: R::select(outside, near_face, far_face),
+            v: zero,
+        }
+    }
+
+    /// Its surface at hits.
+    #[inline(always)]
+    pub(crate) fn surfaces<R: Real>(&self, rays: &Rays<R>, t: R, face: R) -> Surfaces<R> {
+        let centre = V3::splat(self.centre);
+        let p = rays.origin - centre + rays.direction * t;
+        let mut position = centre;
+        let none = V3::splat(Vec3A::ZERO);
+        let mut axes = Axes {
+            s: none,
+            t: none,
+            n: none,
+        };
+        for axis in 0..3 {
+            let mut along = V3::splat(self.rows[axis]).dot(p).clamp(-1.0, 1.0);
+            for (side, place) in [(2 * axis, -1.0), (2 * axis + 1, 1.0)] {
+                let here = face.eq(R::splat(side as f32));
+                along = R::select(here, R::splat(place), along);
+                let frame = &self.faces[side];
+                let own = Axes {
+                    s: V3::splat(frame.s),
+                    t: V3::splat(frame.t),
+                    n: V3::splat(frame.n),
+                };
+                axes = Axes::select(here, own, axes);
+            }
+            position = position + V3::splat(self.edges[axis]) * along;
+        }
+        Surfaces {
+            position,
+            error: V3::splat(self.error),
+            normal: axes.n,
+            axes,
+        }
     }
 }
 

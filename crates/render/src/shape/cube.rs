@@ -10,14 +10,14 @@ use crate::geometry::ray::{Ray, gamma};
 /// A parallelepiped in world space.
 #[derive(Clone, Debug)]
 pub struct Cube {
-    centre: Vec3A,
+    pub(super) centre: Vec3A,
     /// Half edges.
-    edges: [Vec3A; 3],
+    pub(super) edges: [Vec3A; 3],
     /// Covectors: local coordinate i is `rows[i] · (p − centre)`.
-    rows: [Vec3A; 3],
+    pub(super) rows: [Vec3A; 3],
     /// Frames of the faces −x, +x, −y, +y, −z, +z.
-    faces: [Frame; 6],
-    error: Vec3A,
+    pub(super) faces: [Frame; 6],
+    pub(super) error: Vec3A,
     /// Areas of the faces across x, y, z.
     areas: [f32; 3],
 }

@@ -180,6 +180,7 @@ impl Material {
         match self {
             Self::Polarizer(m) => m.pass::<R, L>(at, wavelengths),
             Self::Retarder(m) => m.pass::<R, L>(at, wavelengths),
+            Self::Circular(m) => m.pass::<R, L>(at, wavelengths),
             Self::Null(m) => m.pass::<R, L>(at),
             _ => {
                 self.answer_one_by_one::<R, L>(at, -at.o, wavelengths, lanes, Part::Straight)

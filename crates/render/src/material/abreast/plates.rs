@@ -2,6 +2,7 @@
 
 use glam::Vec3A;
 
+use super::super::circular::Circular;
 use super::super::null::Null;
 use super::super::polarizer::Polarizer;
 use super::super::retarder::Retarder;
@@ -69,6 +70,22 @@ impl Retarder {
             .scaled(values(transmittance, *wave));
         }
         L::diagonal_lanes(axis, &elements)
+    }
+}
+
+impl Circular {
+    #[inline(always)]
+    pub(super) fn pass<R: Real, L: Abreast>(
+        &self,
+        at: &Vertices<R>,
+        wavelengths: &L::Values<R>,
+    ) -> L::Answers<R> {
+        let mut factors = *wavelengths;
+        for factor in factors.as_mut() {
+            *factor = values(self.transmittance(), *factor);
+        }
+        // the matrix does not depend on the frame
+        L::general_lanes(Axes::around(at.o).s, self.matrix(), &factors)
     }
 }
 
