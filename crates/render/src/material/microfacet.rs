@@ -62,8 +62,9 @@ impl Microfacets {
         let width = |name: &str, default: f64| {
             let alpha = object.float(name, default)?;
             if alpha > 0.0 {
-                // narrower lobes than this vanish in single precision; they look like a smooth surface
-                Ok(alpha.max(1e-4) as f32)
+                // narrower lobes vanish in single precision, and look like a smooth surface; of wider ones all facets
+                // stand on edge, and squares of slopes would not fit
+                Ok(alpha.clamp(1e-4, 1e6) as f32)
             } else {
                 Err(object.error_at(
                     name,

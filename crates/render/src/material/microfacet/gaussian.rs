@@ -66,7 +66,7 @@ pub(super) fn visible_slope(z: f32, r: f32, area: f32, u: f32) -> f32 {
     let step = 2.0 * gap * excess / (2.0 * bell * gap * gap + excess * (2.0 * gap * x + r));
     // where facets are all but edge on `excess` is little more than rounding
     let room = 0.5 * gap * inverse;
-    x - step.clamp(-room, room)
+    x - step.max(-room).min(room)
 }
 
 /// Where visible slopes are, roughly.
