@@ -5,7 +5,7 @@
 //!
 //! Source: Ernst, Stamminger, Greiner, Filter Importance Sampling, IEEE Symposium on Interactive Ray Tracing 2006.
 
-use crate::lanes::Real;
+use crate::lanes::{Bits, Real};
 /// A separable filter, by the name of Mitsuba's plugin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Filter {
@@ -96,12 +96,12 @@ impl FilterSampler {
 
     /// Positions along one axis of the film, one a lane: see [`FilterSampler::position`].
     #[inline(always)]
-    pub fn positions<R: Real>(&self, pixel: u32, u: R, first: u32, last: u32) -> R {
+    pub fn positions<R: Real>(&self, pixels: R::B, u: R, first: u32, last: u32) -> R {
         if self.distance.is_empty() {
-            return R::splat(pixel as f32) + u;
+            return R::of_int(pixels) + u;
         }
-        let u = u.lanes();
-        R::from_fn(|lane| self.position(pixel, u[lane], first, last))
+        let (pixels, u) = (pixels.lanes(), u.lanes());
+        R::from_fn(|lane| self.position(pixels[lane], u[lane], first, last))
     }
 
     /// A position along one axis of the film, drawn around the centre of `pixel` within `[first, last]` pixels.

@@ -9,8 +9,9 @@
 mod net;
 
 use std::f32::consts::{FRAC_PI_4, TAU};
+use std::num::Wrapping;
 
-use crate::lanes::{Bits, MOST, Real};
+use crate::lanes::{Bits, Columns, Packed, Real, Rows};
 pub use net::LARGEST_BLOCK;
 
 /// A generator of sample points, by the name that `--sampler` takes.
@@ -71,7 +72,7 @@ pub struct Stream<R: Real> {
     /// Its place in the block.
     place: R::B,
     /// Whether there are blocks: otherwise samples stand alone.
-    stratified: bool,
+    pub stratified: bool,
 }
 
 /// Mixes 64 bits so that each of them depends on all.
@@ -106,6 +107,13 @@ fn scatter<B: Bits>(words: [B; 3]) -> [B; 3] {
     [x, y, z]
 }
 
+/// The key of a sample, or of a block.
+#[inline(always)]
+fn keys<B: Bits>([a, b]: [B; 2], [low, high]: [B; 2], kind: u32) -> [B; 2] {
+    let [x, y, _] = scatter([low, a ^ high, b ^ B::splat(kind)]);
+    [x, y]
+}
+
 /// Uniform in [0, 1): the upper 24 of 32 bits, exactly representable.
 #[inline(always)]
 fn unit<R: Real>(bits: R::B) -> R {
@@ -127,51 +135,30 @@ impl PixelStream {
         Self([key as u32, (key >> 32) as u32])
     }
 
-    /// Of its samples from number `first` on, one a lane, each alone.
-    #[inline(always)]
-    pub fn alone<R: Real>(self, first: u64) -> Stream<R> {
-        let key = self.keys::<R>(first, |lane| lane as u32, 0);
-        Stream {
-            key,
-            block: key,
-            place: R::B::splat(0),
-            stratified: false,
-        }
+    /// As two words.
+    pub fn words(self) -> [u32; 2] {
+        self.0
     }
 
-    /// Of its samples from number `first` on, one a lane; `first` is number `place` of its block of `last + 1` samples, a
-    /// power of two. The samples of a block are stratified together.
+    /// Of one of its samples, alone.
     #[inline(always)]
-    pub fn in_blocks<R: Real>(self, first: u64, place: u32, last: u32) -> Stream<R> {
-        let places = R::B::from_fn(|lane| (place + lane as u32) & last);
-        // a block is named by its first sample
-        let start = |lane: usize| (lane as u32).wrapping_sub((place + lane as u32) & last);
-        Stream {
-            key: self.keys::<R>(first, |lane| lane as u32, 0),
-            block: self.keys::<R>(first, start, BLOCKS),
-            place: places,
-            stratified: true,
-        }
+    pub fn alone(self, sample: u64) -> SampleStream {
+        Stream::alone(self.0.map(Wrapping), split(sample).map(Wrapping))
     }
 
-    /// Keys of the samples `first + offset(lane)`.
+    /// Of one of its samples that is number `place` of its block; the samples of a block are stratified together.
     #[inline(always)]
-    fn keys<R: Real>(
-        self,
-        first: u64,
-        offset: impl Fn(usize) -> u32,
-        kind: u32,
-    ) -> [R::B; 2] {
-        let [a, b] = self.0;
-        let number =
-            |lane: usize| first.wrapping_add_signed(i64::from(offset(lane).cast_signed()));
-        let [x, y, _] = scatter([
-            R::B::from_fn(|lane| number(lane) as u32),
-            R::B::from_fn(|lane| a ^ (number(lane) >> 32) as u32),
-            R::B::splat(b ^ kind),
-        ]);
-        [x, y]
+    pub fn in_block(self, sample: u64, place: u32) -> SampleStream {
+        let start = split(sample - u64::from(place)).map(Wrapping);
+        let sample = split(sample).map(Wrapping);
+        Stream::in_block(self.0.map(Wrapping), sample, start, Wrapping(place))
     }
+}
+
+/// Lower and upper word.
+#[inline(always)]
+pub fn split(x: u64) -> [u32; 2] {
+    [x as u32, (x >> 32) as u32]
 }
 
 impl SampleStream {
@@ -184,68 +171,65 @@ impl SampleStream {
     /// The same two numbers as an array.
     #[inline]
     pub fn pair(self, dimension: u32) -> [f32; 2] {
-        self.pairs(std::num::Wrapping(dimension))
+        self.pairs(Wrapping(dimension))
     }
 }
 
-/// [`Stream`]s of samples, one after the other, from which lanes take theirs.
-#[derive(Clone, Copy, Debug)]
-pub struct Streams<const N: usize> {
-    words: [[u32; N]; 5],
-    stratified: bool,
-}
+/// Rows that a [`Stream`] takes.
+pub const STREAM_ROWS: usize = 5;
 
-impl<const N: usize> Streams<N> {
-    /// None yet.
-    pub fn new() -> Self {
+impl<R: Real> Stream<R> {
+    /// Of a sample of a pixel ([`PixelStream::words`], [`split`]), alone.
+    #[inline(always)]
+    pub fn alone(pixel: [R::B; 2], sample: [R::B; 2]) -> Self {
+        let key = keys(pixel, sample, 0);
         Self {
-            words: [[0; N]; 5],
+            key,
+            block: key,
+            place: R::B::splat(0),
             stratified: false,
         }
     }
 
-    /// Notes the lanes of a stream from place `first` on.
+    /// Of number `place` of the block of samples that begins with sample `start`, which names it.
     #[inline(always)]
-    pub fn put<R: Real>(&mut self, first: usize, stream: &Stream<R>) {
-        let [a, b] = stream.key;
-        let [c, d] = stream.block;
-        self.stratified = stream.stratified;
-        let all = [a, b, c, d, stream.place];
-        for (to, word) in self.words.iter_mut().zip(all) {
-            to[first..first + R::LANES].copy_from_slice(&word.lanes()[..R::LANES]);
+    pub fn in_block(
+        pixel: [R::B; 2],
+        sample: [R::B; 2],
+        start: [R::B; 2],
+        place: R::B,
+    ) -> Self {
+        Self {
+            key: keys(pixel, sample, 0),
+            block: keys(pixel, start, BLOCKS),
+            place,
+            stratified: true,
         }
     }
 
-    /// Those of some places where the mask holds; elsewhere as before.
+    /// Lets it wait in rows from `row` on.
     #[inline(always)]
-    pub fn take<R: Real>(&self, places: &[usize; MOST], mask: R::M, before: &Stream<R>) -> Stream<R> {
-        let [a, b] = before.key;
-        let [c, d] = before.block;
-        let mut all = [a, b, c, d, before.place];
-        for (to, words) in all.iter_mut().zip(&self.words) {
-            let fresh = R::B::from_fn(|lane| words[places[lane] % N]);
-            *to = R::select_bits(mask, fresh, *to);
+    pub fn put(&self, rows: &mut Rows, row: usize, columns: Packed<R>) {
+        let [a, b] = self.key;
+        let [c, d] = self.block;
+        for (k, word) in [a, b, c, d, self.place].into_iter().enumerate() {
+            rows.put(row + k, columns, R::of_bits(word));
         }
-        let [a, b, c, d, place] = all;
-        Stream {
+    }
+
+    /// Those that wait in rows from `row` on; all of them are `stratified`, or none is.
+    #[inline(always)]
+    pub fn taken(rows: &Rows, row: usize, columns: Columns<R>, stratified: bool) -> Self {
+        let mut words = [R::B::splat(0); STREAM_ROWS];
+        for (k, word) in words.iter_mut().enumerate() {
+            *word = rows.get(row + k, columns).bits();
+        }
+        let [a, b, c, d, place] = words;
+        Self {
             key: [a, b],
             block: [c, d],
             place,
-            stratified: self.stratified,
-        }
-    }
-}
-
-impl<R: Real> Stream<R> {
-    /// No samples.
-    #[inline(always)]
-    pub fn nothing() -> Self {
-        let zero = R::B::splat(0);
-        Self {
-            key: [zero; 2],
-            block: [zero; 2],
-            place: zero,
-            stratified: false,
+            stratified,
         }
     }
 
@@ -362,7 +346,7 @@ mod tests {
         let n = 160_000u64;
         let at = |i: u64, d: u32| {
             let stream: SampleStream =
-                PixelStream::new(4, i / 64).in_blocks(i % 64, (i % 64) as u32, 63);
+                PixelStream::new(4, i / 64).in_block(i % 64, (i % 64) as u32);
             stream.pair(d)
         };
         for d in [0, 2, 4] {
@@ -403,7 +387,7 @@ mod tests {
                         let stream: SampleStream = if size == 1 {
                             stream.alone(i)
                         } else {
-                            stream.in_blocks(i, (i % size) as u32, (size - 1) as u32)
+                            stream.in_block(i, (i % size) as u32)
                         };
                         let [x, y] = stream.pair(8);
                         f64::from(x) * f64::from(y)

@@ -3,8 +3,9 @@
 //! A pixel's samples are added in their order by whoever holds its tile, and each is a function of (seed, pixel,
 //! sample) alone, so that neither the number of threads nor the size of the passes changes a bit of the image.
 //!
-//! `spread.rs` says how many samples each pixel gets, `worker.rs` takes those of a tile.
+//! `spread.rs` says how many samples each pixel gets, `worker.rs` takes those of a tile one by one, `batch.rs` side by side.
 
+mod batch;
 mod spread;
 mod worker;
 
@@ -21,7 +22,7 @@ use crate::plan::Plan;
 use crate::scene::{BuiltScene, Scene};
 use crate::sensor::Camera;
 use spread::Spread;
-use worker::{Taken, tile_pass};
+use worker::{Bench, Taken, tile_pass};
 
 /// Everything that a rendering needs, from the scene file and the command line.
 #[derive(Debug)]
@@ -284,8 +285,8 @@ pub fn render(
                 .tiles
                 .par_iter_mut()
                 .map_init(
-                    || job.scene.stack(),
-                    |stack, tile| tile_pass(job, &filter, tile, (current, most), stack),
+                    || Bench::new(job),
+                    |bench, tile| tile_pass(job, &filter, tile, (current, most), bench),
                 )
                 .collect();
             let mut taken = Taken::default();

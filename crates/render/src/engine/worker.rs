@@ -1,20 +1,21 @@
-//! One thread at work: camera samples of the pixels of a tile.
+//! One thread at work: camera samples of the pixels of a tile, one by one; `batch.rs` takes them side by side.
+
+use std::marker::PhantomData;
 
 use super::Job;
+use super::batch::{Batch, Pass};
 use super::spread::Goals;
 use crate::colour::{rgb_weights, sample_wavelength};
-use crate::film::{SampleColours, SampleSums, SpectralMode, TileSums};
+use crate::film::{FilmGeometry, SampleColours, SampleSums, SpectralMode, TileSums};
 use crate::filter::FilterSampler;
 use crate::geometry::bvh::Stack;
-use crate::lanes::{Bits, Real, Task, run};
+use crate::lanes;
 use crate::light::abreast::Abreast;
 use crate::light::{Intensity, Light, Polarized};
-use crate::path::abreast::{self, QUEUE, Queue};
 use crate::path::witness::{CoherenceSums, Listener, View};
 use crate::path::{CameraSample, Counters, Start, trace};
 use crate::plan::Wavelengths;
 use crate::sampler::{PixelStream, SampleStream};
-use crate::sensor::Camera;
 
 /// What a pass over a tile, or over all of them, has taken.
 #[derive(Clone, Copy, Debug, Default)]
@@ -39,35 +40,72 @@ impl std::ops::AddAssign for Taken {
     }
 }
 
+/// What a thread works with.
+pub(super) struct Bench {
+    stack: Stack,
+    /// For paths side by side, where they can go so.
+    batch: Option<Batch>,
+}
+
+impl Bench {
+    /// For the tiles of a job.
+    pub(super) fn new(job: &Job) -> Self {
+        Self {
+            stack: job.scene.stack(),
+            batch: Batch::new(job),
+        }
+    }
+}
+
 /// Brings every pixel of a tile nearer to its goal, by at most `most` samples.
 pub(super) fn tile_pass(
     job: &Job,
     filter: &FilterSampler,
     tile: &mut TileSums,
-    (goals, most): (&Goals, u64),
-    stack: &mut Stack,
+    goals: (&Goals, u64),
+    bench: &mut Bench,
 ) -> Taken {
-    match (job.plan.stokes, job.plan.wavelengths) {
-        (false, Wavelengths::Together) => {
-            run(Worker::<Intensity<4>>::new(job, filter).pass(tile, goals, most, stack))
-        }
-        (true, Wavelengths::Together) => {
-            run(Worker::<Polarized<4>>::new(job, filter).pass(tile, goals, most, stack))
-        }
-        (false, Wavelengths::One | Wavelengths::Apart) => {
-            run(Worker::<Intensity<1>>::new(job, filter).pass(tile, goals, most, stack))
-        }
-        (true, Wavelengths::One | Wavelengths::Apart) => {
-            run(Worker::<Polarized<1>>::new(job, filter).pass(tile, goals, most, stack))
-        }
+    let pass = match (job.plan.stokes, job.plan.wavelengths) {
+        (false, Wavelengths::Together) => pass::<Intensity<4>>,
+        (true, Wavelengths::Together) => pass::<Polarized<4>>,
+        (false, Wavelengths::One | Wavelengths::Apart) => pass::<Intensity<1>>,
+        (true, Wavelengths::One | Wavelengths::Apart) => pass::<Polarized<1>>,
+    };
+    pass(job, filter, tile, goals, bench)
+}
+
+fn pass<L: Abreast>(
+    job: &Job,
+    filter: &FilterSampler,
+    tile: &mut TileSums,
+    (goals, most): (&Goals, u64),
+    bench: &mut Bench,
+) -> Taken {
+    let stack = &mut bench.stack;
+    match &mut bench.batch {
+        Some(batch) => lanes::run(Pass::<L> {
+            job,
+            filter,
+            tile,
+            goals,
+            most,
+            stack,
+            batch,
+            light: PhantomData,
+        }),
+        None => Worker::<L>::new(job, filter).run(tile, goals, most, stack),
     }
+}
+
+/// The number of a pixel of the whole film: a crop shows the same samples as the whole image.
+pub(super) fn pixel_number(film: &FilmGeometry, [column, row]: [u32; 2]) -> u64 {
+    u64::from(row) * u64::from(film.size[0]) + u64::from(column)
 }
 
 /// A pixel of the film.
 struct Pixel {
     /// Column and row on the whole film.
     place: [u32; 2],
-    /// Numbered on the whole film: a crop shows the same samples as the whole image.
     number: u64,
     stream: PixelStream,
 }
@@ -77,7 +115,7 @@ impl Pixel {
     fn new(job: &Job, x: u32, y: u32) -> Self {
         let film = &job.film;
         let place = [x + film.crop_offset[0], y + film.crop_offset[1]];
-        let number = u64::from(place[1]) * u64::from(film.size[0]) + u64::from(place[0]);
+        let number = pixel_number(film, place);
         Self {
             place,
             number,
@@ -87,92 +125,28 @@ impl Pixel {
 }
 
 /// Wavelengths of a camera sample in colour, evenly apart: as many as a path carries, or a path each.
-const PER_SAMPLE: usize = 4;
-
-/// Samples of a pixel, one after the other.
-struct Samples<'a> {
-    pixel: &'a Pixel,
-    first: u64,
-    count: usize,
-    /// Place of the first in its block, and the last place of a block.
-    place: u32,
-    last: u32,
-}
-
-/// A pass of a worker over a tile.
-struct Pass<'a, 't, L: Abreast> {
-    worker: Worker<'a, L>,
-    tile: &'t mut TileSums,
-    goals: &'t Goals,
-    most: u64,
-    stack: &'t mut Stack,
-}
-
-impl<L: Abreast> Task for Pass<'_, '_, L> {
-    type Output = Taken;
-
-    #[inline(always)]
-    fn run<R: Real>(self) -> Taken {
-        self.worker
-            .run::<R>(self.tile, self.goals, self.most, self.stack)
-    }
-}
+pub(super) const PER_SAMPLE: usize = 4;
 
 /// One thread at work on one tile.
-struct Worker<'a, L: Abreast> {
+struct Worker<'a, L: Light> {
     job: &'a Job,
     filter: &'a FilterSampler,
     taken: Taken,
-    light: std::marker::PhantomData<L>,
+    light: PhantomData<L>,
 }
 
-impl<'a, L: Abreast> Worker<'a, L> {
+impl<'a, L: Light> Worker<'a, L> {
     fn new(job: &'a Job, filter: &'a FilterSampler) -> Self {
         Self {
             job,
             filter,
             taken: Taken::default(),
-            light: std::marker::PhantomData,
+            light: PhantomData,
         }
     }
 
-    fn pass<'t>(
-        self,
-        tile: &'t mut TileSums,
-        goals: &'t Goals,
-        most: u64,
-        stack: &'t mut Stack,
-    ) -> Pass<'a, 't, L> {
-        Pass {
-            worker: self,
-            tile,
-            goals,
-            most,
-            stack,
-        }
-    }
-
-    /// Whether paths go side by side: matter that asks for the coherence of light, and what listens for it, follows them
-    /// one by one.
-    fn goes_abreast(&self) -> bool {
-        let job = self.job;
-        !job.scene.traits().coherent
-            && job.coherence.is_none()
-            && !job.plan.dark
-            && matches!(job.camera, Camera::Perspective(_))
-    }
-
-    #[inline(always)]
-    fn run<R: Real>(
-        mut self,
-        tile: &mut TileSums,
-        goals: &Goals,
-        most: u64,
-        stack: &mut Stack,
-    ) -> Taken {
-        let abreast = self.goes_abreast();
+    fn run(mut self, tile: &mut TileSums, goals: &Goals, most: u64, stack: &mut Stack) -> Taken {
         let mut colours = SampleColours::new(self.job.mode.colours());
-        let mut side_by_side = vec![colours.clone(); if abreast { QUEUE } else { 0 }];
         let mut open = SampleSums::new(self.job.mode.colours());
         for (x, y) in tile.pixels() {
             let (taken, goal) = (tile.taken(x, y), goals.of(x, y));
@@ -187,35 +161,11 @@ impl<'a, L: Abreast> Worker<'a, L> {
             let pixel = Pixel::new(self.job, x, y);
             // a power of two
             let last = goal.block - 1;
-            if abreast {
-                for first in (taken..end).step_by(QUEUE) {
-                    let count = (end - first).min(QUEUE as u64) as usize;
-                    let place = (first - goal.first) & last;
-                    let samples = Samples {
-                        pixel: &pixel,
-                        first,
-                        count,
-                        place: place as u32,
-                        last: last as u32,
-                    };
-                    self.samples::<R>(&samples, &mut side_by_side, stack);
-                    for (colours, sample) in side_by_side.iter().take(count).zip(first..) {
-                        if !open.add(colours) {
-                            self.taken.rejected += 1;
-                        }
-                        if (sample - goal.first) & last == last {
-                            tile.close(x, y, &mut open);
-                        }
-                    }
-                }
-                tile.keep(x, y, &open, end);
-                continue;
-            }
             for sample in taken..end {
                 let place = (sample - goal.first) & last;
                 let stream = |of: PixelStream| match last {
                     0 => of.alone(sample),
-                    _ => of.in_blocks(sample, place as u32, last as u32),
+                    _ => of.in_block(sample, place as u32),
                 };
                 colours.clear();
                 let coherence = self.sample(&pixel, &stream, &mut colours, stack);
@@ -232,138 +182,6 @@ impl<'a, L: Abreast> Worker<'a, L> {
             tile.keep(x, y, &open, end);
         }
         self.taken
-    }
-
-    /// Camera samples of a pixel side by side.
-    #[inline(always)]
-    fn samples<R: Real>(
-        &mut self,
-        samples: &Samples<'_>,
-        colours: &mut [SampleColours],
-        stack: &mut Stack,
-    ) {
-        let job = self.job;
-        for colours in colours.iter_mut() {
-            colours.clear();
-        }
-        let one = job.plan.wavelengths == Wavelengths::One;
-        let paths = match &job.mode {
-            SpectralMode::Bands { count, .. } if !one => count.div_ceil(L::LANES),
-            SpectralMode::Rgb if !one => PER_SAMPLE / L::LANES,
-            _ => 1,
-        };
-        let mut drawn = [[(0.0, 0.0); PER_SAMPLE]; QUEUE];
-        let mut seen = [L::dark(); QUEUE];
-        for path in 0..paths {
-            let first = path * L::LANES;
-            let mut queue = Queue::default();
-            while queue.count < samples.count {
-                self.queue_up::<R>(samples, first, &mut queue, &mut drawn);
-            }
-            abreast::trace::<R, L>(
-                &job.scene,
-                &job.paths,
-                &queue,
-                stack,
-                &mut self.taken.counters,
-                &mut seen,
-            );
-            for (k, colours) in colours.iter_mut().enumerate().take(samples.count) {
-                let seen = seen[k].as_ref();
-                match &job.mode {
-                    SpectralMode::Single(_) => colours.add(0, seen[0]),
-                    SpectralMode::Bands { count, .. } if one => {
-                        (0..*count).for_each(|band| colours.add(band, seen[0]));
-                    }
-                    SpectralMode::Rgb if one => colours.add_grey(seen[0]),
-                    SpectralMode::Bands { count, .. } => {
-                        for (w, stokes) in seen.iter().enumerate().take(count - first) {
-                            colours.add(first + w, *stokes);
-                        }
-                    }
-                    SpectralMode::Rgb => {
-                        for (stokes, (wavelength, density)) in seen.iter().zip(&drawn[k][first..])
-                        {
-                            if job.plan.grey {
-                                colours.add_grey(*stokes / PER_SAMPLE as f32);
-                            } else {
-                                let weight = (density * PER_SAMPLE as f32).recip();
-                                colours.add_spectral(*stokes, *wavelength, weight);
-                            }
-                        }
-                    }
-                }
-            }
-        }
-    }
-
-    /// Appends a few samples to the queue, with the wavelengths from number `path` on; notes those that are drawn.
-    #[inline(always)]
-    fn queue_up<R: Real>(
-        &self,
-        samples: &Samples<'_>,
-        path: usize,
-        queue: &mut Queue,
-        drawn: &mut [[(f32, f32); PER_SAMPLE]; QUEUE],
-    ) {
-        let job = self.job;
-        let Camera::Perspective(camera) = &job.camera else {
-            return;
-        };
-        let (film, pixel, begun) = (&job.film, samples.pixel, queue.count);
-        let first = samples.first + begun as u64;
-        let stream = match samples.last {
-            0 => pixel.stream.alone::<R>(first),
-            last => {
-                let place = (samples.place + begun as u32) & last;
-                pixel.stream.in_blocks::<R>(first, place, last)
-            }
-        };
-        let [column, row] = pixel.place;
-        let [u, v] = stream.pairs(R::B::splat(0));
-        let end = [
-            film.crop_offset[0] + film.crop_size[0],
-            film.crop_offset[1] + film.crop_size[1],
-        ];
-        let x = self.filter.positions(column, u, film.crop_offset[0], end[0]);
-        let y = self.filter.positions(row, v, film.crop_offset[1], end[1]);
-        let (rays, axes) = camera.rays(x, y);
-        let count = (samples.count - begun).min(R::LANES);
-        let one = job.plan.wavelengths == Wavelengths::One;
-        let mut wavelengths = L::values(R::zero());
-        match &job.mode {
-            SpectralMode::Single(wavelength) => {
-                wavelengths = L::values(R::splat(*wavelength as f32));
-            }
-            mode if one => wavelengths = L::values(R::splat(mode.range()[0] as f32)),
-            SpectralMode::Bands { from, to, count } => {
-                let place = stream.pairs(R::B::splat(2))[0].lanes();
-                let width = (to - from) / *count as f64;
-                for (w, value) in wavelengths.as_mut().iter_mut().enumerate() {
-                    let band = (path + w).min(count - 1) as f64;
-                    *value =
-                        R::from_fn(|lane| (from + width * (band + f64::from(place[lane]))) as f32);
-                }
-            }
-            SpectralMode::Rgb => {
-                let place = stream.pairs(R::B::splat(2))[0].lanes();
-                for (drawn, u) in drawn[begun..].iter_mut().zip(place).take(count) {
-                    *drawn = std::array::from_fn(|k| {
-                        sample_wavelength((u + k as f32 / PER_SAMPLE as f32).fract())
-                    });
-                }
-                for (w, value) in wavelengths.as_mut().iter_mut().enumerate() {
-                    let last = QUEUE - 1;
-                    *value = R::from_fn(|lane| drawn[(begun + lane).min(last)][path + w].0);
-                }
-            }
-        }
-        queue.append(
-            (rays.origin, rays.direction, axes),
-            wavelengths.as_ref(),
-            &stream,
-            count,
-        );
     }
 
     /// One camera sample of a pixel; also its coherence, if that is asked for.

@@ -51,6 +51,26 @@ pub(super) struct M8(arch::__m256);
 #[derive(Clone, Copy, Debug)]
 pub(super) struct D8(arch::__m256d, arch::__m256d);
 
+/// For each set of lanes the order in which they come first.
+static ORDERS: [[u32; MOST]; 1 << MOST] = orders();
+
+const fn orders() -> [[u32; MOST]; 1 << MOST] {
+    let mut all = [[0; MOST]; 1 << MOST];
+    let mut set = 0;
+    while set < all.len() {
+        let (mut lane, mut place) = (0, 0);
+        while lane < MOST {
+            if set >> lane & 1 == 1 {
+                all[set][place] = lane as u32;
+                place += 1;
+            }
+            lane += 1;
+        }
+        set += 1;
+    }
+    all
+}
+
 /// An operator of two operands.
 macro_rules! operator {
     ($type:ident, $trait:ident, $method:ident, $intrinsic:ident) => {
@@ -282,6 +302,39 @@ impl Real for F8 {
         }
         // SAFETY: called by tasks that run here alone; as many numbers as are read
         unsafe { Self(arch::_mm256_loadu_ps(all.as_ptr())) }
+    }
+    #[inline(always)]
+    fn load(from: &[f32], first: usize) -> Self {
+        let from = &from[first..first + MOST];
+        // SAFETY: called by tasks that run here alone; as many numbers as are read
+        unsafe { Self(arch::_mm256_loadu_ps(from.as_ptr())) }
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f32], first: usize) {
+        let to = &mut to[first..first + MOST];
+        // SAFETY: values of this type exist only where the instructions do; room for as many numbers as are written
+        unsafe { arch::_mm256_storeu_ps(to.as_mut_ptr(), self.0) };
+    }
+    #[inline(always)]
+    fn gather(from: &[f32], places: U8) -> Self {
+        let last = from.len().wrapping_sub(1);
+        assert!(last < 1 << 31, "none, or too many to gather from");
+        // SAFETY: called by tasks that run here alone; no place beyond the last number
+        unsafe {
+            let places = arch::_mm256_min_epu32(places.0, arch::_mm256_set1_epi32(last as i32));
+            Self(arch::_mm256_i32gather_ps::<4>(from.as_ptr(), places))
+        }
+    }
+    #[inline(always)]
+    fn order(mask: M8) -> U8 {
+        let order = &ORDERS[mask.bits() as usize % ORDERS.len()];
+        // SAFETY: values of this type exist only where the instructions do; as many numbers as are read
+        unsafe { U8(arch::_mm256_loadu_si256(order.as_ptr().cast())) }
+    }
+    #[inline(always)]
+    fn ordered(self, order: U8) -> Self {
+        // SAFETY: values of this type exist only where the instructions do
+        unsafe { Self(arch::_mm256_permutevar8x32_ps(self.0, order.0)) }
     }
     #[inline(always)]
     fn lane(self, lane: usize) -> f32 {

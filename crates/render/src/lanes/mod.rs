@@ -10,6 +10,7 @@
 mod avx2;
 mod functions;
 mod one;
+mod rows;
 #[cfg(test)]
 mod tests;
 mod vector;
@@ -18,6 +19,7 @@ use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
 pub use functions::{acos, atan2, exp, ln, sin_cos_turns};
+pub use rows::{COLUMNS, Columns, Packed, Rows};
 pub use vector::{Axes, V3};
 
 /// Most lanes that any [`Real`] has.
@@ -112,6 +114,16 @@ pub trait Real:
     fn splat(x: f32) -> Self;
     /// Lane by lane.
     fn from_fn(f: impl FnMut(usize) -> f32) -> Self;
+    /// As many numbers as there are lanes, from place `first` on.
+    fn load(from: &[f32], first: usize) -> Self;
+    /// Writes as many numbers as there are lanes, from place `first` on.
+    fn store(self, to: &mut [f32], first: usize);
+    /// The number at its own place for each lane; places beyond the end mean the last.
+    fn gather(from: &[f32], places: Self::B) -> Self;
+    /// The order in which lanes where the mask holds come first, for [`Real::ordered`].
+    fn order(mask: Self::M) -> Self::B;
+    /// With its lanes in another order.
+    fn ordered(self, order: Self::B) -> Self;
     /// One lane.
     fn lane(self, lane: usize) -> f32;
     /// All lanes; of [`MOST`] only as many count as there are.
@@ -196,6 +208,11 @@ pub trait Real:
     #[inline(always)]
     fn nowhere() -> Self::M {
         Self::M::from_bits(0)
+    }
+    /// In the first `count` lanes, or in all if that is more.
+    #[inline(always)]
+    fn first(count: usize) -> Self::M {
+        Self::M::from_bits((1u32 << count.min(Self::LANES)) - 1)
     }
 }
 

@@ -85,6 +85,26 @@ impl Real for f32 {
         f(0)
     }
     #[inline(always)]
+    fn load(from: &[f32], first: usize) -> Self {
+        from[first]
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f32], first: usize) {
+        to[first] = self;
+    }
+    #[inline(always)]
+    fn gather(from: &[f32], places: Wrapping<u32>) -> Self {
+        from[(places.0 as usize).min(from.len() - 1)]
+    }
+    #[inline(always)]
+    fn order(_: bool) -> Wrapping<u32> {
+        Wrapping(0)
+    }
+    #[inline(always)]
+    fn ordered(self, _: Wrapping<u32>) -> Self {
+        self
+    }
+    #[inline(always)]
     fn lane(self, _: usize) -> f32 {
         self
     }

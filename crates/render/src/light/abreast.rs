@@ -6,7 +6,7 @@
 use glam::{Mat4, Vec3A, Vec4, vec4};
 
 use super::{Element, Intensity, Light, MuellerResponse, Polarized, Sight};
-use crate::lanes::{Axes, MOST, Real, V3, each};
+use crate::lanes::{Axes, Bits, Columns, MOST, Mask, Packed, Real, Rows, V3, each};
 
 /// An [`Element`] a lane.
 #[derive(Clone, Copy, Debug)]
@@ -206,14 +206,22 @@ pub trait Abreast: Light {
         k_in: V3<R>,
         weight: R,
     ) -> Self::Seen<R>;
-    /// No light.
-    fn dark_lanes<R: Real>() -> Self::Seen<R>;
-    /// More light where the mask holds.
-    fn add<R: Real>(sum: &mut Self::Seen<R>, more: &Self::Seen<R>, mask: R::M);
-    /// Nothing any more where the mask holds.
-    fn clear<R: Real>(sum: &mut Self::Seen<R>, mask: R::M);
-    /// What each lane has seen; of [`MOST`] only as many count as there are.
-    fn all_lanes<R: Real>(seen: &Self::Seen<R>) -> [Self::Stokes; MOST];
+    /// Adds what lanes see to the sums of their camera samples.
+    fn add_to<R: Real>(
+        sums: &mut [Self::Stokes],
+        samples: R::B,
+        seen: &Self::Seen<R>,
+        lanes: R::M,
+    );
+    /// Throughputs that wait in rows from `row` on.
+    fn taken<R: Real>(rows: &Rows, row: usize, columns: Columns<R>) -> Self::Throughputs<R>;
+    /// Lets throughputs wait in rows from `row` on.
+    fn put<R: Real>(
+        rows: &mut Rows,
+        row: usize,
+        columns: Packed<R>,
+        throughput: &Self::Throughputs<R>,
+    );
     /// See [`Light::strength`].
     fn strengths<R: Real>(throughput: &Self::Throughputs<R>) -> R;
     /// See [`Light::reach`].
@@ -540,36 +548,52 @@ impl<const N: usize> Abreast for Polarized<N> {
         }
     }
     #[inline(always)]
-    fn dark_lanes<R: Real>() -> [[R; 4]; N] {
-        [[R::zero(); 4]; N]
-    }
-    #[inline(always)]
-    fn add<R: Real>(sum: &mut [[R; 4]; N], more: &[[R; 4]; N], mask: R::M) {
-        for w in 0..N {
-            for row in 0..4 {
-                sum[w][row] = sum[w][row] + more[w][row].only(mask);
-            }
-        }
-    }
-    #[inline(always)]
-    fn clear<R: Real>(sum: &mut [[R; 4]; N], mask: R::M) {
-        for stokes in sum {
-            for value in stokes {
-                *value = value.only(!mask);
-            }
-        }
-    }
-    #[inline(always)]
-    fn all_lanes<R: Real>(seen: &[[R; 4]; N]) -> [[Vec4; N]; MOST] {
-        let mut all = [[Vec4::ZERO; N]; MOST];
+    fn add_to<R: Real>(
+        sums: &mut [[Vec4; N]],
+        samples: R::B,
+        seen: &[[R; 4]; N],
+        lanes: R::M,
+    ) {
+        let samples = samples.lanes();
         for w in 0..N {
             let [a, b, c, d] = seen[w];
             let (a, b, c, d) = (a.lanes(), b.lanes(), c.lanes(), d.lanes());
-            for (lane, to) in all.iter_mut().enumerate() {
-                to[w] = vec4(a[lane], b[lane], c[lane], d[lane]);
+            each(lanes.bits(), |lane| {
+                let more = vec4(a[lane], b[lane], c[lane], d[lane]);
+                sums[samples[lane] as usize][w] += more;
+            });
+        }
+    }
+    #[inline(always)]
+    fn taken<R: Real>(rows: &Rows, row: usize, columns: Columns<R>) -> Throughputs<R, N> {
+        let mut matrices = [[[R::zero(); 4]; 4]; N];
+        for (w, matrix) in matrices.iter_mut().enumerate() {
+            for (k, column) in matrix.iter_mut().enumerate() {
+                for (j, value) in column.iter_mut().enumerate() {
+                    *value = rows.get(row + 3 + 16 * w + 4 * k + j, columns);
+                }
             }
         }
-        all
+        Throughputs {
+            axis: rows.vector(row, columns),
+            matrices,
+        }
+    }
+    #[inline(always)]
+    fn put<R: Real>(
+        rows: &mut Rows,
+        row: usize,
+        columns: Packed<R>,
+        throughput: &Throughputs<R, N>,
+    ) {
+        rows.put_vector(row, columns, throughput.axis);
+        for (w, matrix) in throughput.matrices.iter().enumerate() {
+            for (k, column) in matrix.iter().enumerate() {
+                for (j, value) in column.iter().enumerate() {
+                    rows.put(row + 3 + 16 * w + 4 * k + j, columns, *value);
+                }
+            }
+        }
     }
     #[inline(always)]
     fn strengths<R: Real>(throughput: &Throughputs<R, N>) -> R {
@@ -705,31 +729,24 @@ impl<const N: usize> Abreast for Intensity<N> {
         )
     }
     #[inline(always)]
-    fn dark_lanes<R: Real>() -> [R; N] {
-        [R::zero(); N]
-    }
-    #[inline(always)]
-    fn add<R: Real>(sum: &mut [R; N], more: &[R; N], mask: R::M) {
-        for w in 0..N {
-            sum[w] = sum[w] + more[w].only(mask);
-        }
-    }
-    #[inline(always)]
-    fn clear<R: Real>(sum: &mut [R; N], mask: R::M) {
-        for value in sum {
-            *value = value.only(!mask);
-        }
-    }
-    #[inline(always)]
-    fn all_lanes<R: Real>(seen: &[R; N]) -> [[Vec4; N]; MOST] {
-        let mut all = [[Vec4::ZERO; N]; MOST];
+    fn add_to<R: Real>(sums: &mut [[Vec4; N]], samples: R::B, seen: &[R; N], lanes: R::M) {
+        let samples = samples.lanes();
         for w in 0..N {
             let s0 = seen[w].lanes();
-            for (lane, to) in all.iter_mut().enumerate() {
-                to[w] = vec4(s0[lane], 0.0, 0.0, 0.0);
-            }
+            each(lanes.bits(), |lane| {
+                sums[samples[lane] as usize][w].x += s0[lane];
+            });
         }
-        all
+    }
+    #[inline(always)]
+    fn taken<R: Real>(rows: &Rows, row: usize, columns: Columns<R>) -> [R; N] {
+        each_wavelength!(w, R::zero(), rows.get(row + w, columns))
+    }
+    #[inline(always)]
+    fn put<R: Real>(rows: &mut Rows, row: usize, columns: Packed<R>, throughput: &[R; N]) {
+        for (w, value) in throughput.iter().enumerate() {
+            rows.put(row + w, columns, *value);
+        }
     }
     #[inline(always)]
     fn strengths<R: Real>(throughput: &[R; N]) -> R {

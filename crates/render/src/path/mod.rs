@@ -12,9 +12,6 @@
 //! met, `way.rs` follows specular matter, `witness.rs` asks where the light came from, `plane.rs` begins paths on a bare
 //! sensor plane.
 
-pub mod abreast;
-#[cfg(test)]
-mod abreast_tests;
 mod connect;
 mod hit;
 mod lobe;
@@ -22,6 +19,9 @@ mod lobe;
 mod patch_tests;
 mod plane;
 mod way;
+pub mod wavefront;
+#[cfg(test)]
+mod wavefront_tests;
 pub mod witness;
 
 use glam::Vec3A;

@@ -7,7 +7,7 @@ use glam::Vec3A;
 
 use super::world::Scene;
 use crate::geometry::bvh::Stack;
-use crate::lanes::{Axes, MOST, Mask, Real, V3, each};
+use crate::lanes::{Axes, Bits, MOST, Mask, Real, V3, each};
 use crate::shape::Shape;
 use crate::shape::abreast::{Hits, Rays, Shears, Surfaces};
 
@@ -31,36 +31,35 @@ pub struct Encounters<R: Real> {
 }
 
 /// Lanes with the same number, one number after the other.
-pub struct Groups<'a> {
-    numbers: &'a [u32; MOST],
+pub struct Groups<R: Real> {
+    numbers: R::B,
+    each: [u32; MOST],
     rest: u32,
 }
 
 /// The groups of some lanes.
 #[inline(always)]
-pub fn groups(numbers: &[u32; MOST], lanes: u32) -> Groups<'_> {
+pub fn groups<R: Real>(numbers: &[u32; MOST], lanes: u32) -> Groups<R> {
     Groups {
-        numbers,
+        numbers: R::B::from_fn(|lane| numbers[lane]),
+        each: *numbers,
         rest: lanes,
     }
 }
 
-impl Iterator for Groups<'_> {
-    type Item = (u32, u32);
+impl<R: Real> Iterator for Groups<R> {
+    type Item = (u32, R::M);
 
     #[inline(always)]
-    fn next(&mut self) -> Option<(u32, u32)> {
+    fn next(&mut self) -> Option<(u32, R::M)> {
         if self.rest == 0 {
             return None;
         }
-        let number = self.numbers[self.rest.trailing_zeros() as usize % MOST];
-        let mut same = 0;
-        for (lane, other) in self.numbers.iter().enumerate() {
-            same |= u32::from(*other == number) << lane;
-        }
+        let number = self.each[self.rest.trailing_zeros() as usize % MOST];
+        let same = R::same(self.numbers, R::B::splat(number)).bits();
         let group = same & self.rest;
         self.rest &= !group;
-        Some((number, group))
+        Some((number, R::M::from_bits(group)))
     }
 }
 
@@ -174,7 +173,7 @@ impl Scene {
         let mut t = rays.t_max;
         let (mut u, mut v) = (R::zero(), R::zero());
         let mut exist = R::nowhere();
-        let mut numbers = [0u32; MOST];
+        let mut numbers = R::B::splat(0);
         for (number, shape) in self.shapes.iter().enumerate() {
             let hits = self.hits(shape, rays, &shears, t, lanes);
             let nearer = hits.exist & lanes;
@@ -185,7 +184,7 @@ impl Scene {
             t = R::select(nearer, hits.t, t);
             u = R::select(nearer, hits.u, u);
             v = R::select(nearer, hits.v, v);
-            each(nearer.bits(), |lane| numbers[lane] = number as u32);
+            numbers = R::select_bits(nearer, R::B::splat(number as u32), numbers);
         }
         let nothing = V3::splat(Vec3A::ZERO);
         let mut surfaces = Surfaces {
@@ -200,8 +199,8 @@ impl Scene {
         };
         let mut materials = [0; MOST];
         let mut emitters = [NONE; MOST];
-        for (number, group) in groups(&numbers, exist.bits()) {
-            let mask = R::M::from_bits(group);
+        for (number, mask) in groups::<R>(&numbers.lanes(), exist.bits()) {
+            let group = mask.bits();
             let found = match &self.shapes[number as usize] {
                 Shape::Rectangle(s) => s.surfaces(u, v),
                 Shape::Sphere(s) => s.surfaces(rays, t),
