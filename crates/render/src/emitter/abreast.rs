@@ -7,7 +7,7 @@ use glam::Vec3A;
 use super::area::Area;
 use super::{Emitter, Kind};
 use crate::geometry::frame::Frame;
-use crate::lanes::{Axes, MOST, Mask, Real, V3, each};
+use crate::lanes::{Axes, MOST, Mask, Real, V3, each, part};
 use crate::light::abreast::{Abreast, Shine};
 use crate::light::{Emission, Polarized};
 use crate::material::abreast::{cosine_hemispheres, values};
@@ -77,6 +77,11 @@ impl Area {
     }
 }
 
+part!(EachConnection<'a; R>(emitter: &'a Emitter, scene: &'a Scene, from: V3<R>, lit: &'a Axes<R>, u: [R; 2],
+    lanes: R::M) -> Connections<R>: Emitter::each_connection);
+part!(EachShine<'a; R, L: Abreast>(emitter: &'a Emitter, k: V3<R>, from: V3<R>, wavelengths: &'a L::Values<R>,
+    lanes: R::M) -> Shine<L::Values<R>, R>: Emitter::each_shine::<R, L>);
+
 impl Emitter {
     /// Draws ways from vertices to the source; the normals of `lit` are on the side from which they can be lit.
     #[inline(always)]
@@ -135,6 +140,25 @@ impl Emitter {
 
     #[inline(always)]
     fn connections_one_by_one<R: Real>(
+        &self,
+        scene: &Scene,
+        from: V3<R>,
+        lit: &Axes<R>,
+        u: [R; 2],
+        lanes: R::M,
+    ) -> Connections<R> {
+        R::apart(EachConnection {
+            emitter: self,
+            scene,
+            from,
+            lit,
+            u,
+            lanes,
+        })
+    }
+
+    #[inline(always)]
+    fn each_connection<R: Real>(
         &self,
         scene: &Scene,
         from: V3<R>,
@@ -278,6 +302,23 @@ impl Emitter {
 
     #[inline(always)]
     fn shine_one_by_one<R: Real, L: Abreast>(
+        &self,
+        k: V3<R>,
+        from: V3<R>,
+        wavelengths: &L::Values<R>,
+        lanes: R::M,
+    ) -> Shine<L::Values<R>, R> {
+        R::apart(EachShine::<R, L> {
+            emitter: self,
+            k,
+            from,
+            wavelengths,
+            lanes,
+        })
+    }
+
+    #[inline(always)]
+    fn each_shine<R: Real, L: Abreast>(
         &self,
         k: V3<R>,
         from: V3<R>,

@@ -10,7 +10,7 @@ use std::arch::x86_64 as arch;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 use std::sync::OnceLock;
 
-use super::{Bits, Double, MOST, Mask, Real, Task};
+use super::{Bits, Double, MOST, Mask, Part, Real, Task};
 
 /// Whether the processor has AVX2 and the environment does not forbid it.
 pub(super) fn is_there() -> bool {
@@ -33,6 +33,12 @@ pub(super) fn run<T: Task>(task: T) -> T::Output {
 #[target_feature(enable = "avx2,bmi1,bmi2")]
 fn run_here<T: Task>(task: T) -> T::Output {
     task.run::<F8>()
+}
+
+#[target_feature(enable = "avx2,bmi1,bmi2")]
+#[inline(never)]
+fn apart_here<P: Part<F8>>(part: P) -> P::Output {
+    part.run()
 }
 
 /// Eight numbers in single precision.
@@ -302,6 +308,11 @@ impl Real for F8 {
         }
         // SAFETY: called by tasks that run here alone; as many numbers as are read
         unsafe { Self(arch::_mm256_loadu_ps(all.as_ptr())) }
+    }
+    #[inline(always)]
+    fn apart<P: Part<Self>>(part: P) -> P::Output {
+        // SAFETY: called by tasks that run here alone
+        unsafe { apart_here(part) }
     }
     #[inline(always)]
     fn load(from: &[f32], first: usize) -> Self {

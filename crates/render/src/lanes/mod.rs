@@ -164,6 +164,9 @@ pub trait Real:
     /// Where two integers are equal.
     fn same(a: Self::B, b: Self::B) -> Self::M;
 
+    /// Does a part in a function of its own, compiled for these lanes.
+    fn apart<P: Part<Self>>(part: P) -> P::Output;
+
     /// Where it is larger.
     #[inline(always)]
     fn gt(self, other: Self) -> Self::M {
@@ -224,6 +227,36 @@ pub fn each(mut bits: u32, mut f: impl FnMut(usize)) {
         bits &= bits - 1;
     }
 }
+
+/// Part of a task that is not inlined into the rest: a single function of everything would take minutes to build.
+pub trait Part<R: Real> {
+    /// What comes of it.
+    type Output;
+    /// Does it. Must be `#[inline(always)]`.
+    fn run(self) -> Self::Output;
+}
+
+/// Defines a [`Part`] by its name, the lifetimes and types of which it speaks, the arguments of the function that does it,
+/// what that returns, and the function.
+macro_rules! part {
+    ($name:ident<$($life:lifetime),*; $R:ident $(, $L:ident: $bound:ident)?>
+        ($($field:ident: $type:ty),* $(,)?) -> $out:ty: $f:expr) => {
+        struct $name<$($life,)* $R: $crate::lanes::Real $(, $L: $bound)?> {
+            $($field: $type,)*
+        }
+        impl<$($life,)* $R: $crate::lanes::Real $(, $L: $bound)?> $crate::lanes::Part<$R>
+            for $name<$($life,)* $R $(, $L)?>
+        {
+            type Output = $out;
+            #[inline(always)]
+            fn run(self) -> $out {
+                let Self { $($field,)* } = self;
+                $f($($field,)*)
+            }
+        }
+    };
+}
+pub(crate) use part;
 
 /// Something to be done with numbers side by side.
 pub trait Task {

@@ -2,7 +2,7 @@
 
 use std::num::Wrapping;
 
-use super::{Bits, Double, MOST, Mask, Real};
+use super::{Bits, Double, MOST, Mask, Part, Real};
 
 impl Mask for bool {
     #[inline(always)]
@@ -83,6 +83,10 @@ impl Real for f32 {
     #[inline(always)]
     fn from_fn(mut f: impl FnMut(usize) -> f32) -> Self {
         f(0)
+    }
+    #[inline(never)]
+    fn apart<P: Part<Self>>(part: P) -> P::Output {
+        part.run()
     }
     #[inline(always)]
     fn load(from: &[f32], first: usize) -> Self {

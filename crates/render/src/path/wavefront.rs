@@ -11,7 +11,7 @@ use glam::Vec3A;
 use super::{CHOICES, Counters, DIRECTION, FIRST_VERTEX, PER_VERTEX, POINT, PathOptions, ROULETTE};
 use crate::emitter::abreast::Connections;
 use crate::geometry::bvh::Stack;
-use crate::lanes::{Axes, Bits, Columns, Mask, Packed, Real, Rows, V3, each};
+use crate::lanes::{Axes, Bits, Columns, MOST, Mask, Packed, Real, Rows, V3, each, part};
 use crate::light::abreast::{Abreast, Shine, Sights};
 use crate::material::Material;
 use crate::material::abreast::Vertices;
@@ -375,6 +375,16 @@ struct Link<'a, S> {
     sums: &'a mut [S],
 }
 
+part!(Leave<'a, 'b; R, L: Abreast>(link: &'a mut Link<'b, L::Stokes>, list: usize, columns: Columns<R>, lanes: R::M,
+    longer: usize) -> usize: Link::<L::Stokes>::leave_one::<R, L>);
+part!(AddSources<'a, 'b; R, L: Abreast>(link: &'a mut Link<'b, L::Stokes>, columns: Columns<R>, rays: &'a Rays<R>,
+    met: &'a Encounters<R>, numbers: &'a [u32; MOST], sources: u32) -> (): Link::<L::Stokes>::add_sources::<R, L>);
+part!(PassOn<'a, 'b; R, L: Abreast>(link: &'a mut Link<'b, L::Stokes>, from: &'a Surfaces<R>,
+    connections: &'a Connections<R>, wavelengths: &'a L::Values<R>, through: &'a mut L::Throughputs<R>, room: u32,
+    lanes: R::M) -> R::M: Link::<L::Stokes>::pass_on::<R, L>);
+part!(Look<'a; R, L: Abreast>(scene: &'a Scene, at: &'a Surfaces<R>, lit: &'a Axes<R>, choice: R, u: [R; 2],
+    wavelengths: &'a L::Values<R>, lanes: R::M) -> Option<Looked<R, L::Values<R>>>: look::<R, L>);
+
 impl<S> Link<'_, S> {
     /// Finds what paths meet; collects the light of sources, and sorts paths by the matter that they have met.
     #[inline(always)]
@@ -420,7 +430,13 @@ impl<S> Link<'_, S> {
             for some in paths.chunks(R::LANES) {
                 let lanes = R::first(some.len());
                 let columns = Columns::listed(some);
-                longer += self.leave_one::<R, L>(list, columns, lanes, longer);
+                longer += R::apart(Leave::<R, L> {
+                    link: &mut *self,
+                    list,
+                    columns,
+                    lanes,
+                    longer,
+                });
             }
             self.front.waiting.lists[list] = paths;
         }
@@ -482,9 +498,16 @@ impl<S> Link<'_, S> {
         let [choice, drawn] = stream.pairs(R::B::splat(dimension + CHOICES));
         if !traits.discrete && !scene.emitters.is_empty() {
             let u = stream.pairs(R::B::splat(dimension + POINT));
-            if let Some(looked) =
-                look::<R, L>(scene, &surfaces, &lit, (choice, u), &wavelengths, alive)
-            {
+            let looking = Look::<R, L> {
+                scene,
+                at: &surfaces,
+                lit: &lit,
+                choice,
+                u,
+                wavelengths: &wavelengths,
+                lanes: alive,
+            };
+            if let Some(looked) = R::apart(looking) {
                 let ways = (&paths, material, &at, &wavelengths);
                 self.connect(ways, &surfaces, &looked, alive);
             }
@@ -563,7 +586,15 @@ impl<S> Link<'_, S> {
         if scene.traits().straight {
             let mut through = L::extended(&paths.throughput, &answers, weight, o, found.direction);
             let room = self.options.max_depth - self.depth - 1;
-            let free = self.pass_on::<R, L>(surfaces, found, wavelengths, &mut through, room, lit);
+            let free = R::apart(PassOn::<R, L> {
+                link: &mut *self,
+                from: surfaces,
+                connections: found,
+                wavelengths,
+                through: &mut through,
+                room,
+                lanes: lit,
+            });
             let more = L::seen(&through, &looked.shine, k, R::one());
             L::add_to(self.sums, paths.sample, &more, free);
         } else {
@@ -626,16 +657,36 @@ impl<S> Link<'_, S> {
             each(missed, |lane| numbers[lane] = all_around);
             sources |= missed;
         }
-        if sources == 0 || !show {
-            return;
+        if sources != 0 && show {
+            R::apart(AddSources::<R, L> {
+                link: &mut *self,
+                columns,
+                rays,
+                met,
+                numbers: &numbers,
+                sources,
+            });
         }
+    }
+
+    /// The same for each emitter.
+    #[inline(always)]
+    fn add_sources<R: Real, L: Abreast<Stokes = S>>(
+        &mut self,
+        columns: Columns<R>,
+        rays: &Rays<R>,
+        met: &Encounters<R>,
+        numbers: &[u32; MOST],
+        sources: u32,
+    ) {
+        let scene = self.scene;
         let k = -rays.direction;
         let rows = &self.front.paths;
         let sample = rows.get(SAMPLE, columns).bits();
         let wavelengths = wavelengths::<R, L>(&self.front.samples, Columns::Each(sample));
         let throughput = L::taken(rows, THROUGHPUT, columns);
         let all_weighed = rows.get(WEIGHED, columns).gt(R::zero());
-        for (number, lanes) in groups::<R>(&numbers, sources) {
+        for (number, lanes) in groups::<R>(numbers, sources) {
             let emitter = &scene.emitters[number as usize];
             let weighed = lanes & all_weighed;
             let mut share = R::one();
@@ -756,7 +807,8 @@ fn look<R: Real, L: Abreast>(
     scene: &Scene,
     at: &Surfaces<R>,
     lit: &Axes<R>,
-    (choice, u): (R, [R; 2]),
+    choice: R,
+    u: [R; 2],
     wavelengths: &L::Values<R>,
     lanes: R::M,
 ) -> Option<Looked<R, L::Values<R>>> {

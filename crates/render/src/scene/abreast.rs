@@ -7,7 +7,7 @@ use glam::Vec3A;
 
 use super::world::Scene;
 use crate::geometry::bvh::Stack;
-use crate::lanes::{Axes, Bits, MOST, Mask, Real, V3, each};
+use crate::lanes::{Axes, Bits, MOST, Mask, Real, V3, each, part};
 use crate::shape::Shape;
 use crate::shape::abreast::{Hits, Rays, Shears, Surfaces};
 
@@ -63,6 +63,11 @@ impl<R: Real> Iterator for Groups<R> {
     }
 }
 
+part!(Meet<'a; R>(scene: &'a Scene, rays: &'a Rays<R>, lanes: R::M, stack: &'a mut Stack)
+    -> Encounters<R>: Scene::nearest);
+part!(Free<'a; R>(scene: &'a Scene, rays: &'a Rays<R>, lanes: R::M, stack: &'a mut Stack)
+    -> R::M: Scene::unblocked);
+
 /// Position, error, normal and frame, one by one.
 #[inline(always)]
 fn gathered<R: Real>(vectors: &[[Vec3A; MOST]; 6]) -> Surfaces<R> {
@@ -83,6 +88,16 @@ impl Scene {
     /// The nearest surfaces along rays.
     #[inline(always)]
     pub fn meet<R: Real>(&self, rays: &Rays<R>, lanes: R::M, stack: &mut Stack) -> Encounters<R> {
+        R::apart(Meet {
+            scene: self,
+            rays,
+            lanes,
+            stack,
+        })
+    }
+
+    #[inline(always)]
+    fn nearest<R: Real>(&self, rays: &Rays<R>, lanes: R::M, stack: &mut Stack) -> Encounters<R> {
         if self.few {
             return self.meet_few(rays, lanes);
         }
@@ -114,6 +129,16 @@ impl Scene {
     /// Where nothing stands in the way of rays.
     #[inline(always)]
     pub fn free<R: Real>(&self, rays: &Rays<R>, lanes: R::M, stack: &mut Stack) -> R::M {
+        R::apart(Free {
+            scene: self,
+            rays,
+            lanes,
+            stack,
+        })
+    }
+
+    #[inline(always)]
+    fn unblocked<R: Real>(&self, rays: &Rays<R>, lanes: R::M, stack: &mut Stack) -> R::M {
         if self.few {
             let shears = Shears::new(rays);
             let mut free = lanes;

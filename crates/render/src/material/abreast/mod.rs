@@ -16,7 +16,7 @@ use super::diffuse::Diffuse;
 use super::{Departure, Material, Matter, Part, Vertex};
 use crate::coherence::Coherence;
 use crate::geometry::frame::Frame;
-use crate::lanes::{Axes, MOST, Mask, Real, V3, each, sin_cos_turns};
+use crate::lanes::{Axes, MOST, Mask, Real, V3, each, part, sin_cos_turns};
 use crate::light::Sight;
 use crate::light::abreast::{Abreast, Sights};
 use crate::spectrum::Spectrum;
@@ -122,11 +122,39 @@ fn upright<R: Real>() -> V3<R> {
     V3::splat(Vec3A::Z)
 }
 
+part!(Depart<'a; R, L: Abreast>(material: &'a Material, at: &'a Vertices<R>, wavelengths: &'a L::Values<R>, u: [R; 3],
+    lanes: R::M) -> Departures<R, L::Answers<R>>: Material::depart_here::<R, L>);
+part!(Answer<'a; R, L: Abreast>(material: &'a Material, at: &'a Vertices<R>, i: V3<R>, wavelengths: &'a L::Values<R>,
+    lanes: R::M) -> (L::Answers<R>, R): Material::answer_here::<R, L>);
+part!(Pass<'a; R, L: Abreast>(material: &'a Material, at: &'a Vertices<R>, wavelengths: &'a L::Values<R>, lanes: R::M)
+    -> L::Answers<R>: Material::pass_here::<R, L>);
+part!(EachAnswer<'a; R, L: Abreast>(material: &'a Material, at: &'a Vertices<R>, i: V3<R>,
+    wavelengths: &'a L::Values<R>, lanes: R::M, part: Part) -> (L::Answers<R>, R): Material::each_answer::<R, L>);
+part!(EachDeparture<'a; R, L: Abreast>(material: &'a Material, at: &'a Vertices<R>, wavelengths: &'a L::Values<R>,
+    u: [R; 3], lanes: R::M) -> Departures<R, L::Answers<R>>: Material::each_departure::<R, L>);
+
 impl Material {
     /// Draws directions toward the light, from three uniform numbers each, and evaluates them; lanes outside `lanes` mean
     /// nothing.
     #[inline(always)]
     pub fn depart<R: Real, L: Abreast>(
+        &self,
+        at: &Vertices<R>,
+        wavelengths: &L::Values<R>,
+        u: [R; 3],
+        lanes: R::M,
+    ) -> Departures<R, L::Answers<R>> {
+        R::apart(Depart::<R, L> {
+            material: self,
+            at,
+            wavelengths,
+            u,
+            lanes,
+        })
+    }
+
+    #[inline(always)]
+    fn depart_here<R: Real, L: Abreast>(
         &self,
         at: &Vertices<R>,
         wavelengths: &L::Values<R>,
@@ -162,6 +190,23 @@ impl Material {
         wavelengths: &L::Values<R>,
         lanes: R::M,
     ) -> (L::Answers<R>, R) {
+        R::apart(Answer::<R, L> {
+            material: self,
+            at,
+            i,
+            wavelengths,
+            lanes,
+        })
+    }
+
+    #[inline(always)]
+    fn answer_here<R: Real, L: Abreast>(
+        &self,
+        at: &Vertices<R>,
+        i: V3<R>,
+        wavelengths: &L::Values<R>,
+        lanes: R::M,
+    ) -> (L::Answers<R>, R) {
         match self {
             Self::Diffuse(m) => m.answer::<R, L>(at, i, wavelengths),
             Self::RoughConductor(m) => m.answer::<R, L>(at, i, wavelengths),
@@ -172,6 +217,21 @@ impl Material {
     /// What it makes of light that goes straight through.
     #[inline(always)]
     pub fn pass<R: Real, L: Abreast>(
+        &self,
+        at: &Vertices<R>,
+        wavelengths: &L::Values<R>,
+        lanes: R::M,
+    ) -> L::Answers<R> {
+        R::apart(Pass::<R, L> {
+            material: self,
+            at,
+            wavelengths,
+            lanes,
+        })
+    }
+
+    #[inline(always)]
+    fn pass_here<R: Real, L: Abreast>(
         &self,
         at: &Vertices<R>,
         wavelengths: &L::Values<R>,
@@ -198,6 +258,25 @@ impl Material {
         lanes: R::M,
         part: Part,
     ) -> (L::Answers<R>, R) {
+        R::apart(EachAnswer::<R, L> {
+            material: self,
+            at,
+            i,
+            wavelengths,
+            lanes,
+            part,
+        })
+    }
+
+    #[inline(always)]
+    fn each_answer<R: Real, L: Abreast>(
+        &self,
+        at: &Vertices<R>,
+        i: V3<R>,
+        wavelengths: &L::Values<R>,
+        lanes: R::M,
+        part: Part,
+    ) -> (L::Answers<R>, R) {
         let waves = lane_wavelengths::<R, L>(wavelengths);
         let (vertices, o, i) = (at.lanes(), at.o.lanes(), i.lanes());
         let mut densities = [0.0; MOST];
@@ -217,6 +296,23 @@ impl Material {
 
     #[inline(always)]
     fn depart_one_by_one<R: Real, L: Abreast>(
+        &self,
+        at: &Vertices<R>,
+        wavelengths: &L::Values<R>,
+        u: [R; 3],
+        lanes: R::M,
+    ) -> Departures<R, L::Answers<R>> {
+        R::apart(EachDeparture::<R, L> {
+            material: self,
+            at,
+            wavelengths,
+            u,
+            lanes,
+        })
+    }
+
+    #[inline(always)]
+    fn each_departure<R: Real, L: Abreast>(
         &self,
         at: &Vertices<R>,
         wavelengths: &L::Values<R>,
