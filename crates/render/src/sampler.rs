@@ -193,12 +193,7 @@ impl<R: Real> Stream<R> {
 
     /// Of number `place` of the block of samples that begins with sample `start`, which names it.
     #[inline(always)]
-    pub fn in_block(
-        pixel: [R::B; 2],
-        sample: [R::B; 2],
-        start: [R::B; 2],
-        place: R::B,
-    ) -> Self {
+    pub fn in_block(pixel: [R::B; 2], sample: [R::B; 2], start: [R::B; 2], place: R::B) -> Self {
         Self {
             key: keys(pixel, sample, 0),
             block: keys(pixel, start, BLOCKS),
@@ -209,7 +204,7 @@ impl<R: Real> Stream<R> {
 
     /// Lets it wait in rows from `row` on.
     #[inline(always)]
-    pub fn put(&self, rows: &mut Rows, row: usize, columns: Packed<R>) {
+    pub fn put<const ROWS: usize>(&self, rows: &mut Rows<ROWS>, row: usize, columns: Packed<R>) {
         let [a, b] = self.key;
         let [c, d] = self.block;
         for (k, word) in [a, b, c, d, self.place].into_iter().enumerate() {
@@ -219,7 +214,12 @@ impl<R: Real> Stream<R> {
 
     /// Those that wait in rows from `row` on; all of them are `stratified`, or none is.
     #[inline(always)]
-    pub fn taken(rows: &Rows, row: usize, columns: Columns<R>, stratified: bool) -> Self {
+    pub fn taken<const ROWS: usize>(
+        rows: &Rows<ROWS>,
+        row: usize,
+        columns: Columns<R>,
+        stratified: bool,
+    ) -> Self {
         let mut words = [R::B::splat(0); STREAM_ROWS];
         for (k, word) in words.iter_mut().enumerate() {
             *word = rows.get(row + k, columns).bits();

@@ -241,12 +241,7 @@ impl Emitter {
 
     /// Densities of [`Emitter::connections`] for directions in which nothing was hit, from a vertex with that normal.
     #[inline(always)]
-    pub fn densities_of_misses<R: Real>(
-        &self,
-        normal: V3<R>,
-        direction: V3<R>,
-        lanes: R::M,
-    ) -> R {
+    pub fn densities_of_misses<R: Real>(&self, normal: V3<R>, direction: V3<R>, lanes: R::M) -> R {
         if let Kind::Constant(_) = &self.kind {
             return normal.dot(direction).max(R::zero()) * R::splat(FRAC_1_PI);
         }

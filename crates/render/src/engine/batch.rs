@@ -246,7 +246,10 @@ impl<L: Abreast> Pass<'_, L> {
         };
         let (film, batch) = (&job.film, &mut *self.batch);
         let words = &batch.words;
-        let (pixel, number) = (words.pair::<R>(PIXEL, first), words.pair::<R>(NUMBER, first));
+        let (pixel, number) = (
+            words.pair::<R>(PIXEL, first),
+            words.pair::<R>(NUMBER, first),
+        );
         let stream: Stream<R> = if batch.stratified {
             let start = words.pair::<R>(START, first);
             Stream::in_block(pixel, number, start, words.get::<R>(PLACE, first))
@@ -296,7 +299,9 @@ impl<L: Abreast> Pass<'_, L> {
             direction: rays.direction,
             axis,
         };
-        batch.front.begin::<R, L>(&start, &wavelengths, &stream, count);
+        batch
+            .front
+            .begin::<R, L>(&start, &wavelengths, &stream, count);
     }
 
     /// Adds what was seen at the wavelengths from number `first_wave` on to the colours of the samples.

@@ -12,11 +12,13 @@ use std::sync::OnceLock;
 
 use super::{Bits, Double, MOST, Mask, Part, Real, Task};
 
+const LANES: usize = 8;
+
 /// Whether the processor has AVX2 and the environment does not forbid it.
 pub(super) fn is_there() -> bool {
     static THERE: OnceLock<bool> = OnceLock::new();
     *THERE.get_or_init(|| {
-        !std::env::var_os("BREWSTER_SIMD").is_some_and(|wish| wish == "portable")
+        !super::wished_for(&["portable"])
             && is_x86_feature_detected!("avx2")
             && is_x86_feature_detected!("bmi1")
             && is_x86_feature_detected!("bmi2")
@@ -58,14 +60,14 @@ pub(super) struct M8(arch::__m256);
 pub(super) struct D8(arch::__m256d, arch::__m256d);
 
 /// For each set of lanes the order in which they come first.
-static ORDERS: [[u32; MOST]; 1 << MOST] = orders();
+static ORDERS: [[u32; LANES]; 1 << LANES] = orders();
 
-const fn orders() -> [[u32; MOST]; 1 << MOST] {
-    let mut all = [[0; MOST]; 1 << MOST];
+const fn orders() -> [[u32; LANES]; 1 << LANES] {
+    let mut all = [[0; LANES]; 1 << LANES];
     let mut set = 0;
     while set < all.len() {
         let (mut lane, mut place) = (0, 0);
-        while lane < MOST {
+        while lane < LANES {
             if set >> lane & 1 == 1 {
                 all[set][place] = lane as u32;
                 place += 1;
@@ -176,7 +178,9 @@ impl Mask for M8 {
         unsafe {
             let lane = arch::_mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
             let set = arch::_mm256_and_si256(arch::_mm256_set1_epi32(bits as i32), lane);
-            Self(arch::_mm256_castsi256_ps(arch::_mm256_cmpeq_epi32(set, lane)))
+            Self(arch::_mm256_castsi256_ps(arch::_mm256_cmpeq_epi32(
+                set, lane,
+            )))
         }
     }
 }
@@ -189,7 +193,7 @@ impl Bits for U8 {
     }
     #[inline(always)]
     fn from_fn(mut f: impl FnMut(usize) -> u32) -> Self {
-        let mut all = [0u32; MOST];
+        let mut all = [0u32; LANES];
         for (lane, x) in all.iter_mut().enumerate() {
             *x = f(lane);
         }
@@ -270,10 +274,13 @@ impl Double for D8 {
         // SAFETY: values of this type exist only where the instructions do
         unsafe {
             let zero = arch::_mm256_setzero_pd();
-            let below = [self.0, self.1].map(|half| {
-                arch::_mm256_movemask_pd(arch::_mm256_cmp_pd::<{ arch::_CMP_LT_OQ }>(half, zero))
-            });
-            M8::from_bits((below[0] | below[1] << 4) as u32)
+            let low = arch::_mm256_cmp_pd::<{ arch::_CMP_LT_OQ }>(self.0, zero);
+            let high = arch::_mm256_cmp_pd::<{ arch::_CMP_LT_OQ }>(self.1, zero);
+            let (low, high) = (
+                arch::_mm256_movemask_pd(low),
+                arch::_mm256_movemask_pd(high),
+            );
+            M8::from_bits((low | high << 4) as u32)
         }
     }
 }
@@ -290,7 +297,7 @@ macro_rules! compare {
 }
 
 impl Real for F8 {
-    const LANES: usize = MOST;
+    const LANES: usize = LANES;
     type M = M8;
     type B = U8;
     type D = D8;
@@ -302,7 +309,7 @@ impl Real for F8 {
     }
     #[inline(always)]
     fn from_fn(mut f: impl FnMut(usize) -> f32) -> Self {
-        let mut all = [0.0; MOST];
+        let mut all = [0.0; LANES];
         for (lane, x) in all.iter_mut().enumerate() {
             *x = f(lane);
         }
@@ -316,13 +323,13 @@ impl Real for F8 {
     }
     #[inline(always)]
     fn load(from: &[f32], first: usize) -> Self {
-        let from = &from[first..first + MOST];
+        let from = &from[first..first + LANES];
         // SAFETY: called by tasks that run here alone; as many numbers as are read
         unsafe { Self(arch::_mm256_loadu_ps(from.as_ptr())) }
     }
     #[inline(always)]
     fn store(self, to: &mut [f32], first: usize) {
-        let to = &mut to[first..first + MOST];
+        let to = &mut to[first..first + LANES];
         // SAFETY: values of this type exist only where the instructions do; room for as many numbers as are written
         unsafe { arch::_mm256_storeu_ps(to.as_mut_ptr(), self.0) };
     }
@@ -429,6 +436,10 @@ impl Real for F8 {
     #[inline(always)]
     fn same(a: U8, b: U8) -> M8 {
         // SAFETY: values of this type exist only where the instructions do
-        unsafe { M8(arch::_mm256_castsi256_ps(arch::_mm256_cmpeq_epi32(a.0, b.0))) }
+        unsafe {
+            M8(arch::_mm256_castsi256_ps(arch::_mm256_cmpeq_epi32(
+                a.0, b.0,
+            )))
+        }
     }
 }

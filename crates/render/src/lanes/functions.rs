@@ -116,17 +116,18 @@ pub fn atan2<R: Real>(y: R, x: R) -> R {
     let z = t * t;
     let p = polynomial(
         z,
-        &[8.053_744_6e-2, -1.387_768_6e-1, 1.997_771_1e-1, -3.333_294_9e-1],
+        &[
+            8.053_744_6e-2,
+            -1.387_768_6e-1,
+            1.997_771_1e-1,
+            -3.333_294_9e-1,
+        ],
     ) * z
         * t
         + t;
     let quarter = R::splat(std::f32::consts::FRAC_PI_4);
     let p = R::select(far, p + quarter, p);
     let p = R::select(steep, R::splat(std::f32::consts::FRAC_PI_2) - p, p);
-    let p = R::select(
-        x.lt(R::zero()),
-        R::splat(std::f32::consts::PI) - p,
-        p,
-    );
+    let p = R::select(x.lt(R::zero()), R::splat(std::f32::consts::PI) - p, p);
     p.copysign(y)
 }

@@ -1,13 +1,15 @@
 //! Numbers side by side: one camera path a lane, all doing the same at the same time.
 //!
-//! What is written for any [`Real`] runs with one path at a time (`f32`, every processor) or with eight (AVX2, chosen at
-//! run time by [`run`]). Every operation rounds each lane as IEEE 754 has it and nothing is fused, so that both give the
+//! What is written for any [`Real`] runs with one path at a time (`f32`, every processor), with eight (AVX2) or sixteen
+//! (AVX-512), chosen at run time by [`run`]. Every operation rounds each lane as IEEE 754 has it and nothing is fused, so that both give the
 //! same bits. Lanes that do not take part go through the same arithmetic; masks keep their results out.
 //!
 //! Everything here is inlined into the task that [`run`] is given: only there are the instructions known.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
 mod functions;
 mod one;
 mod rows;
@@ -23,7 +25,7 @@ pub use rows::{COLUMNS, Columns, Packed, Rows};
 pub use vector::{Axes, V3};
 
 /// Most lanes that any [`Real`] has.
-pub const MOST: usize = 8;
+pub const MOST: usize = 16;
 
 /// Where something holds.
 pub trait Mask:
@@ -266,12 +268,23 @@ pub trait Task {
     fn run<R: Real>(self) -> Self::Output;
 }
 
-/// Does a task with as many lanes as the processor has, or with one where the environment says
+/// Whether the environment asks for one of some kinds of instructions: `BREWSTER_SIMD` is `portable` or `avx2`.
+#[cfg(target_arch = "x86_64")]
+fn wished_for(kinds: &[&str]) -> bool {
+    std::env::var_os("BREWSTER_SIMD").is_some_and(|wish| kinds.iter().any(|kind| wish == *kind))
+}
+
+/// Does a task with as many lanes as the processor has, or with fewer where the environment says `BREWSTER_SIMD=avx2` or
 /// `BREWSTER_SIMD=portable`.
 pub fn run<T: Task>(task: T) -> T::Output {
     #[cfg(target_arch = "x86_64")]
-    if avx2::is_there() {
-        return avx2::run(task);
+    {
+        if avx512::is_there() {
+            return avx512::run(task);
+        }
+        if avx2::is_there() {
+            return avx2::run(task);
+        }
     }
     task.run::<f32>()
 }

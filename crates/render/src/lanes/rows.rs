@@ -9,9 +9,9 @@ pub const COLUMNS: usize = 256;
 /// few lines of a cache.
 const LENGTH: usize = COLUMNS + 2 * MOST;
 
-/// Rows of numbers.
+/// `N` rows of numbers.
 #[derive(Clone, Debug)]
-pub struct Rows(Vec<[f32; LENGTH]>);
+pub struct Rows<const N: usize>(Box<[[f32; LENGTH]; N]>);
 
 /// From which columns lanes read.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +30,9 @@ impl<R: Real> Columns<R> {
         if (last - first) as usize == list.len() - 1 {
             return Self::From(first as usize);
         }
-        Self::Each(R::B::from_fn(|lane| list.get(lane).copied().unwrap_or(first)))
+        Self::Each(R::B::from_fn(|lane| {
+            list.get(lane).copied().unwrap_or(first)
+        }))
     }
 }
 
@@ -54,10 +56,10 @@ impl<R: Real> Packed<R> {
     }
 }
 
-impl Rows {
-    /// So many rows of zeros.
-    pub fn new(rows: usize) -> Self {
-        Self(vec![[0.0; LENGTH]; rows])
+impl<const N: usize> Rows<N> {
+    /// Zeros.
+    pub fn new() -> Self {
+        Self(Box::new([[0.0; LENGTH]; N]))
     }
 
     /// The numbers of a row.

@@ -31,7 +31,10 @@ fn circular_functions_are_accurate() {
         let (expected_sin, expected_cos) = (std::f64::consts::TAU * f64::from(u)).sin_cos();
         assert!((f64::from(sin) - expected_sin).abs() < 2e-7, "sin {u}");
         assert!((f64::from(cos) - expected_cos).abs() < 2e-7, "cos {u}");
-        assert!((f64::from(acos(u)) - f64::from(u).acos()).abs() < 7e-5, "acos {u}");
+        assert!(
+            (f64::from(acos(u)) - f64::from(u).acos()).abs() < 7e-5,
+            "acos {u}"
+        );
         for size in [1e-20f32, 1.0, 1e15] {
             let (y, x) = (expected_sin as f32 * size, expected_cos as f32 * size);
             let expected = f64::from(y).atan2(f64::from(x));

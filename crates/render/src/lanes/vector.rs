@@ -82,7 +82,7 @@ impl<R: Real> V3<R> {
     pub fn lanes(self) -> [Vec3A; super::MOST] {
         let (x, y, z) = (self.x.lanes(), self.y.lanes(), self.z.lanes());
         let mut all = [Vec3A::ZERO; super::MOST];
-        for (lane, v) in all.iter_mut().enumerate() {
+        for (lane, v) in all.iter_mut().enumerate().take(R::LANES) {
             *v = Vec3A::new(x[lane], y[lane], z[lane]);
         }
         all

@@ -97,7 +97,7 @@ impl<R: Real> Sights<R> {
         let axes = self.axis.lanes();
         let [a, b] = [self.linear[0].lanes(), self.linear[1].lanes()];
         let mut all = [Sight::BLIND; MOST];
-        for (lane, sight) in all.iter_mut().enumerate() {
+        for (lane, sight) in all.iter_mut().enumerate().take(R::LANES) {
             *sight = Sight::new(axes[lane], [1.0, a[lane], b[lane]]);
         }
         all
@@ -207,17 +207,16 @@ pub trait Abreast: Light {
         weight: R,
     ) -> Self::Seen<R>;
     /// Adds what lanes see to the sums of their camera samples.
-    fn add_to<R: Real>(
-        sums: &mut [Self::Stokes],
-        samples: R::B,
-        seen: &Self::Seen<R>,
-        lanes: R::M,
-    );
+    fn add_to<R: Real>(sums: &mut [Self::Stokes], samples: R::B, seen: &Self::Seen<R>, lanes: R::M);
     /// Throughputs that wait in rows from `row` on.
-    fn taken<R: Real>(rows: &Rows, row: usize, columns: Columns<R>) -> Self::Throughputs<R>;
+    fn taken<R: Real, const ROWS: usize>(
+        rows: &Rows<ROWS>,
+        row: usize,
+        columns: Columns<R>,
+    ) -> Self::Throughputs<R>;
     /// Lets throughputs wait in rows from `row` on.
-    fn put<R: Real>(
-        rows: &mut Rows,
+    fn put<R: Real, const ROWS: usize>(
+        rows: &mut Rows<ROWS>,
         row: usize,
         columns: Packed<R>,
         throughput: &Self::Throughputs<R>,
@@ -379,19 +378,13 @@ impl<const N: usize> Abreast for Polarized<N> {
                 }
             }
         }
-        Answers::General(
-            V3::from_lanes(&axes[0]),
-            V3::from_lanes(&axes[1]),
-            all,
-        )
+        Answers::General(V3::from_lanes(&axes[0]), V3::from_lanes(&axes[1]), all)
     }
     #[inline(always)]
     fn to_world<R: Real>(answer: &Answers<R, N>, axes: &Axes<R>) -> Answers<R, N> {
         match answer {
             Answers::Depolarizing(_) => *answer,
-            Answers::Diagonal(axis, elements) => {
-                Answers::Diagonal(axes.to_world(*axis), *elements)
-            }
+            Answers::Diagonal(axis, elements) => Answers::Diagonal(axes.to_world(*axis), *elements),
             Answers::General(out, inward, m) => {
                 Answers::General(axes.to_world(*out), axes.to_world(*inward), *m)
             }
@@ -548,12 +541,7 @@ impl<const N: usize> Abreast for Polarized<N> {
         }
     }
     #[inline(always)]
-    fn add_to<R: Real>(
-        sums: &mut [[Vec4; N]],
-        samples: R::B,
-        seen: &[[R; 4]; N],
-        lanes: R::M,
-    ) {
+    fn add_to<R: Real>(sums: &mut [[Vec4; N]], samples: R::B, seen: &[[R; 4]; N], lanes: R::M) {
         let samples = samples.lanes();
         for w in 0..N {
             let [a, b, c, d] = seen[w];
@@ -565,7 +553,11 @@ impl<const N: usize> Abreast for Polarized<N> {
         }
     }
     #[inline(always)]
-    fn taken<R: Real>(rows: &Rows, row: usize, columns: Columns<R>) -> Throughputs<R, N> {
+    fn taken<R: Real, const ROWS: usize>(
+        rows: &Rows<ROWS>,
+        row: usize,
+        columns: Columns<R>,
+    ) -> Throughputs<R, N> {
         let mut matrices = [[[R::zero(); 4]; 4]; N];
         for (w, matrix) in matrices.iter_mut().enumerate() {
             for (k, column) in matrix.iter_mut().enumerate() {
@@ -580,8 +572,8 @@ impl<const N: usize> Abreast for Polarized<N> {
         }
     }
     #[inline(always)]
-    fn put<R: Real>(
-        rows: &mut Rows,
+    fn put<R: Real, const ROWS: usize>(
+        rows: &mut Rows<ROWS>,
         row: usize,
         columns: Packed<R>,
         throughput: &Throughputs<R, N>,
@@ -705,12 +697,7 @@ impl<const N: usize> Abreast for Intensity<N> {
         each_wavelength!(w, R::zero(), R::select(mask, a[w], b[w]))
     }
     #[inline(always)]
-    fn seen<R: Real>(
-        throughput: &[R; N],
-        light: &Shine<[R; N], R>,
-        _: V3<R>,
-        weight: R,
-    ) -> [R; N] {
+    fn seen<R: Real>(throughput: &[R; N], light: &Shine<[R; N], R>, _: V3<R>, weight: R) -> [R; N] {
         each_wavelength!(w, R::zero(), throughput[w] * (light.radiance[w] * weight))
     }
     #[inline(always)]
@@ -739,11 +726,20 @@ impl<const N: usize> Abreast for Intensity<N> {
         }
     }
     #[inline(always)]
-    fn taken<R: Real>(rows: &Rows, row: usize, columns: Columns<R>) -> [R; N] {
+    fn taken<R: Real, const ROWS: usize>(
+        rows: &Rows<ROWS>,
+        row: usize,
+        columns: Columns<R>,
+    ) -> [R; N] {
         each_wavelength!(w, R::zero(), rows.get(row + w, columns))
     }
     #[inline(always)]
-    fn put<R: Real>(rows: &mut Rows, row: usize, columns: Packed<R>, throughput: &[R; N]) {
+    fn put<R: Real, const ROWS: usize>(
+        rows: &mut Rows<ROWS>,
+        row: usize,
+        columns: Packed<R>,
+        throughput: &[R; N],
+    ) {
         for (w, value) in throughput.iter().enumerate() {
             rows.put(row + w, columns, *value);
         }

@@ -44,11 +44,14 @@ impl Seen {
     }
 }
 
+/// As many sources are weighed in all lanes at once.
+const FEW: usize = 8;
+
 /// The chances of all sources for vertices side by side, or those of one lane after the other.
 pub struct Chances<R: Real> {
     count: usize,
     /// Of each source, without the blind part.
-    each: [R; MOST],
+    each: [R; FEW],
     /// Where there are too many: the positions.
     from: Option<[Vec3A; MOST]>,
 }
@@ -59,18 +62,18 @@ impl Lights {
     pub fn chances<R: Real>(&self, from: V3<R>) -> Chances<R> {
         let mut chances = Chances {
             count: self.count,
-            each: [R::one(); MOST],
+            each: [R::one(); FEW],
             from: None,
         };
         if self.count < 2 {
             return chances;
         }
-        if self.count > MOST || !self.beams.is_empty() {
+        if self.count > FEW || !self.beams.is_empty() {
             chances.from = Some(from.lanes());
             return chances;
         }
         let even = R::splat((self.count as f32).recip());
-        chances.each = [even; MOST];
+        chances.each = [even; FEW];
         let outer = self.outside.last().map_or(0.0, |(_, sum)| *sum);
         let sources = self.tree.sources();
         let mut part = R::zero();
@@ -84,11 +87,15 @@ impl Lights {
         }
         let mut before = 0.0;
         for (number, sum) in &self.outside {
-            let share = if outer > 0.0 { (sum - before) / outer } else { 0.0 };
+            let share = if outer > 0.0 {
+                (sum - before) / outer
+            } else {
+                0.0
+            };
             chances.each[*number as usize] = part * R::splat(share);
             before = *sum;
         }
-        let mut irradiances = [R::zero(); MOST];
+        let mut irradiances = [R::zero(); FEW];
         let mut all = R::zero();
         for (irradiance, source) in irradiances.iter_mut().zip(sources) {
             *irradiance = source.irradiances(from);

@@ -18,10 +18,10 @@ mod lobe;
 #[cfg(test)]
 mod patch_tests;
 mod plane;
-mod way;
 pub mod wavefront;
 #[cfg(test)]
 mod wavefront_tests;
+mod way;
 pub mod witness;
 
 use glam::Vec3A;

@@ -53,11 +53,11 @@ const SURFACE_ROWS: usize = AXES + 9;
 /// Paths on their way, and room for them.
 pub struct Wavefront {
     count: usize,
-    samples: Rows,
+    samples: Rows<SAMPLE_ROWS>,
     stratified: bool,
-    paths: Rows,
-    longer: Rows,
-    met: Rows,
+    paths: Rows<PATH_ROWS>,
+    longer: Rows<PATH_ROWS>,
+    met: Rows<SURFACE_ROWS>,
     waiting: Waiting,
 }
 
@@ -101,11 +101,11 @@ impl Wavefront {
     pub fn new(scene: &Scene) -> Self {
         Self {
             count: 0,
-            samples: Rows::new(SAMPLE_ROWS),
+            samples: Rows::new(),
             stratified: false,
-            paths: Rows::new(PATH_ROWS),
-            longer: Rows::new(PATH_ROWS),
-            met: Rows::new(SURFACE_ROWS),
+            paths: Rows::new(),
+            longer: Rows::new(),
+            met: Rows::new(),
             waiting: Waiting {
                 lists: vec![vec![]; 2 * scene.materials.len()],
                 begun: vec![],
@@ -201,7 +201,7 @@ struct Paths<R: Real, L: Abreast> {
 
 impl<R: Real, L: Abreast> Paths<R, L> {
     #[inline(always)]
-    fn put(&self, rows: &mut Rows, columns: Packed<R>) {
+    fn put(&self, rows: &mut Rows<PATH_ROWS>, columns: Packed<R>) {
         rows.put(SAMPLE, columns, R::of_bits(self.sample));
         rows.put_vector(ORIGIN, columns, self.rays.origin);
         rows.put_vector(HEADING, columns, self.rays.direction);
@@ -215,7 +215,7 @@ impl<R: Real, L: Abreast> Paths<R, L> {
     }
 
     #[inline(always)]
-    fn taken(rows: &Rows, columns: Columns<R>) -> Self {
+    fn taken(rows: &Rows<PATH_ROWS>, columns: Columns<R>) -> Self {
         Self {
             sample: rows.get(SAMPLE, columns).bits(),
             rays: rays(rows, columns),
@@ -232,7 +232,7 @@ impl<R: Real, L: Abreast> Paths<R, L> {
 
 /// The next rays of paths.
 #[inline(always)]
-fn rays<R: Real>(rows: &Rows, columns: Columns<R>) -> Rays<R> {
+fn rays<R: Real>(rows: &Rows<PATH_ROWS>, columns: Columns<R>) -> Rays<R> {
     Rays {
         origin: rows.vector(ORIGIN, columns),
         direction: rows.vector(HEADING, columns),
@@ -242,7 +242,7 @@ fn rays<R: Real>(rows: &Rows, columns: Columns<R>) -> Rays<R> {
 
 /// The wavelengths of camera samples.
 #[inline(always)]
-fn wavelengths<R: Real, L: Abreast>(rows: &Rows, columns: Columns<R>) -> L::Values<R> {
+fn wavelengths<R: Real, L: Abreast>(rows: &Rows<SAMPLE_ROWS>, columns: Columns<R>) -> L::Values<R> {
     let mut all = L::values(R::zero());
     for (w, value) in all.as_mut().iter_mut().enumerate() {
         *value = rows.get(WAVELENGTHS + w, columns);
@@ -252,7 +252,7 @@ fn wavelengths<R: Real, L: Abreast>(rows: &Rows, columns: Columns<R>) -> L::Valu
 
 impl<R: Real> Surfaces<R> {
     #[inline(always)]
-    fn put(&self, rows: &mut Rows, columns: Packed<R>) {
+    fn put(&self, rows: &mut Rows<SURFACE_ROWS>, columns: Packed<R>) {
         rows.put_vector(POSITION, columns, self.position);
         rows.put_vector(ERROR, columns, self.error);
         rows.put_vector(NORMAL, columns, self.normal);
@@ -262,7 +262,7 @@ impl<R: Real> Surfaces<R> {
     }
 
     #[inline(always)]
-    fn taken(rows: &Rows, columns: Columns<R>) -> Self {
+    fn taken(rows: &Rows<SURFACE_ROWS>, columns: Columns<R>) -> Self {
         Self {
             position: rows.vector(POSITION, columns),
             error: rows.vector(ERROR, columns),
@@ -343,11 +343,7 @@ fn either<R: Real, L: Abreast>(
 
 /// `a` where the mask holds, elsewhere `b`.
 #[inline(always)]
-fn select<R: Real, L: Abreast>(
-    mask: R::M,
-    a: &L::Values<R>,
-    b: &L::Values<R>,
-) -> L::Values<R> {
+fn select<R: Real, L: Abreast>(mask: R::M, a: &L::Values<R>, b: &L::Values<R>) -> L::Values<R> {
     let mut chosen = *b;
     for (to, a) in chosen.as_mut().iter_mut().zip(a.as_ref()) {
         *to = R::select(mask, *a, *to);
@@ -495,7 +491,10 @@ impl<S> Link<'_, S> {
             at = at.turned();
         }
 
-        let [choice, drawn] = stream.pairs(R::B::splat(dimension + CHOICES));
+        let [mut choice, mut drawn] = [R::zero(); 2];
+        if !traits.discrete || material.numbers() > 0 {
+            [choice, drawn] = stream.pairs(R::B::splat(dimension + CHOICES));
+        }
         if !traits.discrete && !scene.emitters.is_empty() {
             let u = stream.pairs(R::B::splat(dimension + POINT));
             let looking = Look::<R, L> {
@@ -517,8 +516,12 @@ impl<S> Link<'_, S> {
             return 0;
         }
 
-        let [u, v] = stream.pairs(R::B::splat(dimension + DIRECTION));
-        let way = material.depart::<R, L>(&at, &wavelengths, [drawn, u, v], alive);
+        let mut numbers = [drawn; 3];
+        if material.numbers() > 1 {
+            let [u, v] = stream.pairs(R::B::splat(dimension + DIRECTION));
+            numbers = [drawn, u, v];
+        }
+        let way = material.depart::<R, L>(&at, &wavelengths, numbers, alive);
         let answers = L::to_world(&way.answers, &at.axes);
         let direction = at.axes.to_world(way.direction);
         let weight = way.density.recip();
@@ -556,12 +559,7 @@ impl<S> Link<'_, S> {
     #[inline(always)]
     fn connect<R: Real, L: Abreast<Stokes = S>>(
         &mut self,
-        (paths, material, at, wavelengths): (
-            &Paths<R, L>,
-            &Material,
-            &Vertices<R>,
-            &L::Values<R>,
-        ),
+        (paths, material, at, wavelengths): (&Paths<R, L>, &Material, &Vertices<R>, &L::Values<R>),
         surfaces: &Surfaces<R>,
         looked: &Looked<R, L::Values<R>>,
         lanes: R::M,
@@ -760,8 +758,7 @@ impl<S> Link<'_, S> {
                     let at = if turned { front.turned() } else { front };
                     let answers = side(material, back).pass::<R, L>(&at, wavelengths, lanes);
                     let answers = L::to_world(&answers, &at.axes);
-                    let longer =
-                        L::extended(through, &answers, R::one(), -direction, direction);
+                    let longer = L::extended(through, &answers, R::one(), -direction, direction);
                     *through = L::select(lanes, &longer, through);
                 }
             }
@@ -793,11 +790,7 @@ fn shadow_rays<R: Real>(from: &Surfaces<R>, to: &Connections<R>) -> Rays<R> {
     Rays {
         origin,
         direction: V3::select(to.near, end - origin, direction),
-        t_max: R::select(
-            to.near,
-            R::splat(1.0 - 1e-6),
-            R::splat(f32::INFINITY),
-        ),
+        t_max: R::select(to.near, R::splat(1.0 - 1e-6), R::splat(f32::INFINITY)),
     }
 }
 
@@ -845,4 +838,3 @@ fn look<R: Real, L: Abreast>(
     }
     all
 }
-

@@ -100,8 +100,7 @@ fn walked(built: &BuiltScene) -> Vec<Vec4> {
             };
             let options = &built.paths;
             let (stack, counters) = (&mut stack, &mut counters);
-            let [seen] =
-                trace::<Polarized<1>, _>(scene, options, camera, stack, counters, &mut ());
+            let [seen] = trace::<Polarized<1>, _>(scene, options, camera, stack, counters, &mut ());
             seen
         })
         .collect()
@@ -171,7 +170,10 @@ fn light_through_plates_is_the_same_side_by_side() {
     let circular = "<bsdf type='circular'/>";
     let all = plate(polarizer, 1.0) + &plate(retarder, 0.5) + &plate(circular, 0.0);
     compare(&format!("{all}{LAMP}{SKY}"), 0.1);
-    compare(&format!("{all}{LAMP}{}", plate("<bsdf type='null'/>", 1.5)), 0.05);
+    compare(
+        &format!("{all}{LAMP}{}", plate("<bsdf type='null'/>", 1.5)),
+        0.05,
+    );
 }
 
 #[test]

@@ -17,6 +17,74 @@ pub const NONE: u32 = u32::MAX;
 /// As many shapes are tested one by one.
 pub(super) const FEW: usize = 24;
 
+/// Of a shape with a smaller share of the surface of the box around all, its own box is tested first: so many rays of the
+/// scene meet it, one in eight rays meets it more often than not, and the test costs a third of that of a rectangle.
+const SMALL: f32 = 0.1;
+
+/// Boxes around those shapes for which it pays to test them first.
+pub(super) fn boxes(shapes: &[Shape]) -> Vec<Option<[Vec3A; 2]>> {
+    let bounds: Vec<[Vec3A; 2]> = shapes
+        .iter()
+        .map(|shape| {
+            let bounds = shape.bounds();
+            [bounds.min, bounds.max]
+        })
+        .collect();
+    let area = |[min, max]: [Vec3A; 2]| {
+        let size = max - min;
+        size.x * size.y + size.y * size.z + size.z * size.x
+    };
+    let all = bounds
+        .iter()
+        .copied()
+        .reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+        .map_or(0.0, area);
+    let small = |bounds: &[Vec3A; 2]| area(*bounds) < SMALL * all;
+    bounds
+        .into_iter()
+        .map(|bounds| Some(bounds).filter(small))
+        .collect()
+}
+
+/// What rays contribute to tests against boxes: the inverse of their directions, finite.
+struct Slabs<R> {
+    origin: V3<R>,
+    inverse: V3<R>,
+}
+
+/// So much farther a box may end: what rounding can make of a distance, three times over.
+///
+/// Source: Ize, Robust BVH Ray Traversal, JCGT 2(2), 2013.
+const FARTHER: f32 = 1.0 + 6.0 * f32::EPSILON;
+
+impl<R: Real> Slabs<R> {
+    #[inline(always)]
+    fn new(rays: &Rays<R>) -> Self {
+        let mut inverse = rays.direction;
+        for d in [&mut inverse.x, &mut inverse.y, &mut inverse.z] {
+            *d = d.abs().max(R::splat(1e-20)).copysign(*d).recip();
+        }
+        Self {
+            origin: rays.origin,
+            inverse,
+        }
+    }
+
+    /// Whether any of the rays may meet a box closer than `t_max`.
+    #[inline(always)]
+    fn may_meet(&self, [min, max]: [Vec3A; 2], t_max: R, lanes: R::M) -> bool {
+        let (low, high) = (V3::splat(min) - self.origin, V3::splat(max) - self.origin);
+        let inverse = self.inverse;
+        let (x, x2) = (low.x * inverse.x, high.x * inverse.x);
+        let (y, y2) = (low.y * inverse.y, high.y * inverse.y);
+        let (z, z2) = (low.z * inverse.z, high.z * inverse.z);
+        let near = x.min(x2).max(y.min(y2)).max(z.min(z2));
+        let far = x.max(x2).min(y.max(y2)).min(z.max(z2));
+        let end = far.min(t_max) * R::splat(FARTHER);
+        (near.le(end) & lanes).any()
+    }
+}
+
 /// Surfaces that rays have met.
 #[derive(Clone, Copy, Debug)]
 pub struct Encounters<R: Real> {
@@ -112,7 +180,9 @@ impl Scene {
                 materials[lane] = met.owner.material;
                 emitters[lane] = met.owner.emitter.unwrap_or(NONE);
                 let s = &met.surface;
-                let all = [s.position, s.error, s.normal, s.frame.s, s.frame.t, s.frame.n];
+                let all = [
+                    s.position, s.error, s.normal, s.frame.s, s.frame.t, s.frame.n,
+                ];
                 for (to, v) in vectors.iter_mut().zip(all) {
                     to[lane] = v;
                 }
@@ -140,9 +210,14 @@ impl Scene {
     #[inline(always)]
     fn unblocked<R: Real>(&self, rays: &Rays<R>, lanes: R::M, stack: &mut Stack) -> R::M {
         if self.few {
-            let shears = Shears::new(rays);
+            let (shears, slabs) = (Shears::new(rays), Slabs::new(rays));
             let mut free = lanes;
-            for shape in &self.shapes {
+            for (shape, bounds) in self.shapes.iter().zip(&self.boxes) {
+                if let Some(bounds) = bounds
+                    && !slabs.may_meet(*bounds, rays.t_max, free)
+                {
+                    continue;
+                }
                 let hits = self.hits(shape, rays, &shears, rays.t_max, free);
                 free = free & !hits.exist;
                 if !free.any() {
@@ -194,12 +269,17 @@ impl Scene {
 
     #[inline(always)]
     fn meet_few<R: Real>(&self, rays: &Rays<R>, lanes: R::M) -> Encounters<R> {
-        let shears = Shears::new(rays);
+        let (shears, slabs) = (Shears::new(rays), Slabs::new(rays));
         let mut t = rays.t_max;
         let (mut u, mut v) = (R::zero(), R::zero());
         let mut exist = R::nowhere();
         let mut numbers = R::B::splat(0);
-        for (number, shape) in self.shapes.iter().enumerate() {
+        for (number, (shape, bounds)) in self.shapes.iter().zip(&self.boxes).enumerate() {
+            if let Some(bounds) = bounds
+                && !slabs.may_meet(*bounds, t, lanes)
+            {
+                continue;
+            }
             let hits = self.hits(shape, rays, &shears, t, lanes);
             let nearer = hits.exist & lanes;
             if !nearer.any() {
@@ -235,7 +315,9 @@ impl Scene {
                     let (rays, t, u, v) = (rays.lanes(), t.lanes(), u.lanes(), v.lanes());
                     each(group, |lane| {
                         let s = shape.surface(&rays[lane], (t[lane], u[lane], v[lane]));
-                        let all = [s.position, s.error, s.normal, s.frame.s, s.frame.t, s.frame.n];
+                        let all = [
+                            s.position, s.error, s.normal, s.frame.s, s.frame.t, s.frame.n,
+                        ];
                         for (to, v) in vectors.iter_mut().zip(all) {
                             to[lane] = v;
                         }

@@ -63,6 +63,8 @@ pub struct Scene {
     unmet: bool,
     /// Whether rays side by side are tested against one shape after the other.
     pub(super) few: bool,
+    /// Boxes around those shapes of which most rays miss the box.
+    pub(super) boxes: Vec<Option<[Vec3A; 2]>>,
     pub(crate) lights: Lights,
 }
 
@@ -104,6 +106,7 @@ impl Scene {
             .into_iter()
             .fold(Traits::default(), |all, one| all.or(self.traits_of(one)));
         self.few = triangles == 0 && self.shapes.len() <= super::abreast::FEW;
+        self.boxes = super::abreast::boxes(&self.shapes);
         self.unmet = !self.emitters.iter().any(Emitter::can_be_met);
         self.weigh_lights([FIRST_NM, LAST_NM]);
     }

@@ -153,7 +153,8 @@ impl Perspective {
         let up = R::splat(self.half[1]) - y * R::splat(self.pixel[1]);
         let above = V3::splat(self.up);
         let toward = V3::splat(self.forward) + V3::splat(self.right) * right + above * up;
-        let across = (V3::splat(self.right) - V3::splat(self.forward) * right) * R::splat(self.sense);
+        let across =
+            (V3::splat(self.right) - V3::splat(self.forward) * right) * R::splat(self.sense);
         let across2 = R::one() + right * right;
         let rays = Rays {
             origin: V3::splat(self.origin),

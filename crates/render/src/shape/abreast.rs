@@ -32,7 +32,7 @@ impl<R: Real> Rays<R> {
             direction: Vec3A::Z,
             t_max: 0.0,
         }; MOST];
-        for (lane, ray) in all.iter_mut().enumerate() {
+        for (lane, ray) in all.iter_mut().enumerate().take(R::LANES) {
             ray.origin = origin[lane];
             ray.direction = direction[lane];
             ray.t_max = t_max[lane];
@@ -97,12 +97,7 @@ pub struct AreaSamples<R: Real> {
 
 /// Start points off surfaces: see [`offset_origin`](crate::geometry::ray::offset_origin).
 #[inline(always)]
-pub fn offset_origins<R: Real>(
-    p: V3<R>,
-    error: V3<R>,
-    normal: V3<R>,
-    direction: V3<R>,
-) -> V3<R> {
+pub fn offset_origins<R: Real>(p: V3<R>, error: V3<R>, normal: V3<R>, direction: V3<R>) -> V3<R> {
     let reach = error * R::splat(1.0 + gamma(16)) + p.abs() * R::splat(f32::EPSILON);
     let distance = normal.abs().dot(reach);
     p + normal * distance.copysign(direction.dot(normal))
@@ -110,13 +105,12 @@ pub fn offset_origins<R: Real>(
 
 /// What rays contribute to tests against flat shapes: see `geometry/flat.rs`.
 #[derive(Clone, Copy, Debug)]
-pub struct Shears<R: Real> {
-    /// Where the ray runs along x, and along y rather than z.
-    along: [R::M; 2],
-    /// Where the two axes across are exchanged.
-    swapped: R::M,
+pub struct Shears<R> {
     origin: V3<R>,
-    shear: [R; 3],
+    /// Rows of the matrix that puts a ray along its largest axis and shears the others by it. Of each row one number is
+    /// 1, so that a product with it rounds as the shear by itself does.
+    rows: [V3<R>; 3],
+    inverse: R,
 }
 
 impl<R: Real> Shears<R> {
@@ -128,40 +122,34 @@ impl<R: Real> Shears<R> {
         let x_over_y = size.x.gt(size.y);
         let x = x_over_y & size.x.gt(size.z);
         let y = !x_over_y & size.y.gt(size.z);
-        let mut shears = Self {
-            along: [x, y],
-            swapped: R::nowhere(),
+        let one = R::one();
+        let (x, y, z) = (one.only(x), one.only(y), one.only(!(x | y)));
+        // along z: (x, y, z); along x: (y, z, x); along y: (z, x, y)
+        let (first, second, third) = (V3::new(z, x, y), V3::new(y, z, x), V3::new(x, y, z));
+        let along = d.dot(third);
+        // the same sense of rotation seen along the ray
+        let swapped = along.lt(R::zero());
+        let (first, second) = (
+            V3::select(swapped, second, first),
+            V3::select(swapped, first, second),
+        );
+        let inverse = along.recip();
+        Self {
             origin: rays.origin,
-            shear: [R::zero(); 3],
-        };
-        let [_, _, z] = shears.permuted(d);
-        shears.swapped = z.lt(R::zero());
-        let [x, y, z] = shears.permuted(d);
-        let inverse = z.recip();
-        shears.shear = [x * inverse, y * inverse, inverse];
-        shears
-    }
-
-    /// The components of a vector in the order of the frame.
-    #[inline(always)]
-    fn permuted(&self, v: V3<R>) -> [R; 3] {
-        let [x, y] = self.along;
-        // z: (x, y, z); x: (y, z, x); y: (z, x, y)
-        let third = R::select(x, v.x, R::select(y, v.y, v.z));
-        let first = R::select(x, v.y, R::select(y, v.z, v.x));
-        let second = R::select(x, v.z, R::select(y, v.x, v.y));
-        [
-            R::select(self.swapped, second, first),
-            R::select(self.swapped, first, second),
-            third,
-        ]
+            rows: [
+                first - third * (d.dot(first) * inverse),
+                second - third * (d.dot(second) * inverse),
+                third,
+            ],
+            inverse,
+        }
     }
 
     #[inline(always)]
     fn sheared(&self, corner: Vec3A) -> [R; 3] {
-        let [x, y, z] = self.permuted(V3::splat(corner) - self.origin);
-        let [sx, sy, _] = self.shear;
-        [x - sx * z, y - sy * z, z]
+        let to = V3::splat(corner) - self.origin;
+        let [x, y, z] = self.rows;
+        [to.dot(x), to.dot(y), to.dot(z)]
     }
 
     /// Where the rays meet the parallelogram of three corners closer than `t_max`.
@@ -180,7 +168,7 @@ impl<R: Real> Shears<R> {
         let zero = R::zero();
         let inside = zero.le(lowest) | highest.le(zero);
         let inverse = det.recip();
-        let t = (u * az + v * bz + w * cz) * self.shear[2] * inverse;
+        let t = (u * az + v * bz + w * cz) * self.inverse * inverse;
         Hits {
             exist: inside & zero.lt(t) & t.lt(t_max),
             t,
@@ -306,8 +294,8 @@ impl Sphere {
         let rise = cap * u;
         let sin2 = rise * (R::splat(2.0) - rise);
         let share = sin2 / sin2_max;
-        let cos_alpha = sin2 * sin2_max.sqrt().recip()
-            + (one - rise) * (one - share).max(R::zero()).sqrt();
+        let cos_alpha =
+            sin2 * sin2_max.sqrt().recip() + (one - rise) * (one - share).max(R::zero()).sqrt();
         let sin_alpha = (one - cos_alpha * cos_alpha).max(R::zero()).sqrt();
         let axis = Axes::around((from - centre).normalize());
         let seen = axis.to_world(V3::new(sin_alpha * cos_phi, sin_alpha * sin_phi, cos_alpha));
@@ -482,7 +470,9 @@ impl Rectangle {
     pub(crate) fn surfaces<R: Real>(&self, u: R, v: R) -> Surfaces<R> {
         let (u, v) = (u + u - R::one(), v + v - R::one());
         Surfaces {
-            position: V3::splat(self.centre) + V3::splat(self.half_u) * u + V3::splat(self.half_v) * v,
+            position: V3::splat(self.centre)
+                + V3::splat(self.half_u) * u
+                + V3::splat(self.half_v) * v,
             error: V3::splat(self.error),
             normal: V3::splat(self.frame.n),
             axes: Axes {
@@ -520,10 +510,8 @@ impl Rectangle {
         let whole = minus_product([-end[0], -end[1]], start);
         let size = (whole[0] * whole[0] + whole[1] * whole[1]).sqrt();
         let solid_angle = atan2((whole[1] / size).narrow(), (whole[0] / size).narrow());
-        let under = x[0].is_negative()
-            & (-x[1]).is_negative()
-            & y[0].is_negative()
-            & (-y[1]).is_negative();
+        let under =
+            x[0].is_negative() & (-x[1]).is_negative() & y[0].is_negative() & (-y[1]).is_negative();
         let turned = solid_angle.lt(R::zero()) & under;
         let solid_angle = R::select(turned, solid_angle + R::splat(TAU), solid_angle);
         let norm = (start[0] * start[0] + start[1] * start[1]).sqrt();

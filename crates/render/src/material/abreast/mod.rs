@@ -39,7 +39,11 @@ impl<R: Real> Vertices<R> {
     #[inline(always)]
     fn lanes(&self) -> [Vertex; MOST] {
         let (o, position) = (self.o.lanes(), self.position.lanes());
-        let axes = [self.axes.s.lanes(), self.axes.t.lanes(), self.axes.n.lanes()];
+        let axes = [
+            self.axes.s.lanes(),
+            self.axes.t.lanes(),
+            self.axes.n.lanes(),
+        ];
         let sights = self.sights.lanes();
         let mut all = [Vertex {
             o: Vec3A::Z,
@@ -52,7 +56,7 @@ impl<R: Real> Vertices<R> {
             viewer_distance: f32::INFINITY,
             sight: Sight::BLIND,
         }; MOST];
-        for (lane, vertex) in all.iter_mut().enumerate() {
+        for (lane, vertex) in all.iter_mut().enumerate().take(R::LANES) {
             vertex.o = o[lane];
             vertex.position = position[lane];
             vertex.frame.s = axes[0][lane];
@@ -134,6 +138,20 @@ part!(EachDeparture<'a; R, L: Abreast>(material: &'a Material, at: &'a Vertices<
     u: [R; 3], lanes: R::M) -> Departures<R, L::Answers<R>>: Material::each_departure::<R, L>);
 
 impl Material {
+    /// How many of the three uniform numbers [`Material::depart`] looks at.
+    #[inline(always)]
+    pub fn numbers(&self) -> usize {
+        match self {
+            Self::Conductor(_)
+            | Self::Polarizer(_)
+            | Self::Retarder(_)
+            | Self::Circular(_)
+            | Self::Null(_) => 0,
+            Self::Dielectric(_) => 1,
+            _ => 3,
+        }
+    }
+
     /// Draws directions toward the light, from three uniform numbers each, and evaluates them; lanes outside `lanes` mean
     /// nothing.
     #[inline(always)]
@@ -366,7 +384,7 @@ const WAVES: usize = 4;
 fn lane_wavelengths<R: Real, L: Abreast>(wavelengths: &L::Values<R>) -> [[f32; WAVES]; MOST] {
     let mut all = [[0.0; WAVES]; MOST];
     for (k, wavelength) in wavelengths.as_ref().iter().enumerate() {
-        for (lane, value) in wavelength.lanes().into_iter().enumerate() {
+        for (lane, value) in wavelength.lanes().into_iter().enumerate().take(R::LANES) {
             all[lane][k] = value;
         }
     }

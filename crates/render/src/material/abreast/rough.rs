@@ -56,7 +56,10 @@ impl RoughConductor {
         for (to, wave) in elements.as_mut().iter_mut().zip(wavelengths.as_ref()) {
             *to = self.metal().reflections(cos, *wave).scaled(weight);
         }
-        (L::diagonal_lanes(axes_s(h, i), &elements), density.only(lit))
+        (
+            L::diagonal_lanes(axes_s(h, i), &elements),
+            density.only(lit),
+        )
     }
 }
 
@@ -213,9 +216,8 @@ fn visible_slope<R: Real>(cos: R, sin: R, u: R, lanes: R::M) -> R {
     let whole = cumulative(cos, sin, b_max, cot);
     let (target, tolerance) = (u * whole, R::splat(1e-5) * whole);
     let theta = acos(cos.clamp(0.0, 1.0));
-    let fit = one
-        + theta
-            * (R::splat(-0.876) + theta * (R::splat(0.4265) - R::splat(0.0594) * theta));
+    let fit =
+        one + theta * (R::splat(-0.876) + theta * (R::splat(0.4265) - R::splat(0.0594) * theta));
     let rest = (one - u).max(R::splat(1e-30));
     let (mut low, mut high) = (-one, b_max);
     let mut b = b_max - (one + b_max) * exp(fit * ln(rest));
