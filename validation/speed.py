@@ -8,9 +8,13 @@ turns.  Ratios above 1 mean that Brewster is faster; `cost` is polarized over un
 With --against another build of Brewster the two take turns instead: CPU time of this build over
 that of the other, for the same samples and, times the ratio of the variances, for the same error
 of S0 and of S1 to S3 together; medians over the turns.
+
+With --instructions this build is measured without the vector instructions of the processor, with
+AVX2 and with all that it has.
 """
 
 import json
+import os
 import sys
 import tempfile
 from pathlib import Path
@@ -65,6 +69,22 @@ def against(other: str, names: list[str], spp: int, repetitions: int) -> None:
         print(f"| {name} | {cells} |", flush=True)
 
 
+def instructions(names: list[str], spp: int, repetitions: int) -> None:
+    """Print 10⁶ paths per core-second with each kind of vector instructions, scene by scene."""
+    kinds = {"portable": "portable", "AVX2": "avx2", "all there are": ""}
+    print("10⁶ paths per core-second, 256×256\n")
+    print(f"| scene | {' | '.join(kinds)} |")
+    print("|---" * (len(kinds) + 1) + "|")
+    for name in names:
+        scene = SCENES / name / "scene.xml"
+        best = dict.fromkeys(kinds, 0.0)
+        for _ in range(repetitions):
+            for kind, wish in kinds.items():
+                os.environ["BREWSTER_SIMD"] = wish
+                best[kind] = max(best[kind], brewster(scene, spp))
+        print(f"| {name} | {' | '.join(f'{x:.3f}' for x in best.values())} |", flush=True)
+
+
 def main() -> int:
     """Measure every scene and print the table."""
     parser = arguments(__doc__)
@@ -73,8 +93,12 @@ def main() -> int:
     parser.add_argument("--spp", type=int, default=32, help="samples a pixel (default 32)")
     parser.add_argument("--repetitions", type=int, default=3)
     parser.add_argument("--against", metavar="PROGRAM", help="another build of Brewster")
+    parser.add_argument("--instructions", action="store_true", help="compare vector instructions")
     mitsuba_peer.add_arguments(parser)
     args = parser.parse_args()
+    if args.instructions:
+        instructions(args.scenes or list(figures), args.spp, args.repetitions)
+        return 0
     if args.against:
         against(args.against, args.scenes or list(figures), args.spp, args.repetitions)
         return 0

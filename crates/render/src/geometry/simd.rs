@@ -1,7 +1,7 @@
 //! Instructions of particular processors and systems: AVX2, chosen at run time, and memory in large pages.
 //!
-//! The only file of the program with `unsafe`. What it does for speed changes no result: the portable twin of
-//! [`Avx2`] is `Portable`, operation by operation.
+//! One of the files of the program with `unsafe`; the others are `lanes/avx2.rs` and `lanes/avx512.rs`. What it does for
+//! speed changes no result: the portable twin of [`Avx2`] is `Portable`, operation by operation.
 #![expect(
     unsafe_code,
     reason = "intrinsics are sound where the processor has them: each block says how that is known"

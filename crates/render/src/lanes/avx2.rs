@@ -1,6 +1,6 @@
 //! Eight lanes: AVX2, which is looked for at run time.
 //!
-//! One of two files of the program with `unsafe`; the other traces single rays (`geometry/simd.rs`).
+//! One of the files of the program with `unsafe`, beside `avx512.rs` and `geometry/simd.rs`, which traces single rays.
 #![expect(
     unsafe_code,
     reason = "intrinsics are sound where the processor has them: numbers of these types are made in `run` alone, after they were found"

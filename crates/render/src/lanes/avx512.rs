@@ -1,4 +1,6 @@
-//! Sixteen lanes: AVX-512, which is looked for at run time. Twin of `avx2.rs`.
+//! Sixteen lanes: AVX-512, which is looked for at run time.
+//!
+//! One of the files of the program with `unsafe`; twin of `avx2.rs`.
 #![expect(
     unsafe_code,
     reason = "intrinsics are sound where the processor has them: numbers of these types are made in `run` alone, after they were found"

@@ -288,3 +288,23 @@ pub fn run<T: Task>(task: T) -> T::Output {
     }
     task.run::<f32>()
 }
+
+/// Does a task with one lane, and with as many of every kind of instructions that the processor has.
+#[cfg(test)]
+pub fn run_with_each<T: Task + Copy>(task: T) -> Vec<T::Output> {
+    #[cfg_attr(
+        not(target_arch = "x86_64"),
+        expect(unused_mut, reason = "there is only one kind")
+    )]
+    let mut all = vec![task.run::<f32>()];
+    #[cfg(target_arch = "x86_64")]
+    {
+        if avx2::is_there() {
+            all.push(avx2::run(task));
+        }
+        if avx512::is_there() {
+            all.push(avx512::run(task));
+        }
+    }
+    all
+}

@@ -1,4 +1,4 @@
-//! Claims: functions are as accurate as they say, and eight lanes give the bits of one.
+//! Claims: functions are as accurate as they say, and any number of lanes gives the same bits.
 
 use super::*;
 
@@ -46,6 +46,7 @@ fn circular_functions_are_accurate() {
 }
 
 /// Everything that lanes can do, on some numbers: its bits.
+#[derive(Clone, Copy)]
 struct Everything<'a>(&'a [f32]);
 
 impl Task for Everything<'_> {
@@ -102,19 +103,58 @@ impl Task for Everything<'_> {
 }
 
 #[test]
-fn eight_lanes_give_the_bits_of_one() {
+fn any_number_of_lanes_gives_the_same_bits() {
     let numbers: Vec<f32> = (0..16_000u64)
         .map(|i| {
             let [u, v] = crate::sampler::SampleStream::new(5, 0, i).pair(0);
             (u - 0.5) * (20.0 * v).exp2() * 1e-3
         })
         .collect();
-    let one = Everything(&numbers).run::<f32>();
-    // where the processor has eight
-    let most = run(Everything(&numbers));
+    let all = run_with_each(Everything(&numbers));
+    let one = &all[0];
     assert_eq!(one.len(), 26 * 8_000);
-    for (k, (one, most)) in one.iter().zip(&most).enumerate() {
-        let same = one == most || f32::from_bits(*one).is_nan() && f32::from_bits(*most).is_nan();
-        assert!(same, "operation {} of {}: {one:x} {most:x}", k % 26, k / 26);
+    for most in &all[1..] {
+        for (k, (one, most)) in one.iter().zip(most).enumerate() {
+            let numbers = [one, most].map(|bits| f32::from_bits(*bits));
+            let same = one == most || numbers.iter().all(|x| x.is_nan());
+            assert!(same, "operation {} of {}: {one:x} {most:x}", k % 26, k / 26);
+        }
     }
+}
+
+/// Lanes of every set that come first, and numbers gathered from anywhere.
+#[derive(Clone, Copy)]
+struct Moves;
+
+impl Task for Moves {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<R: Real>(self) {
+        let numbers: [f32; 100] = std::array::from_fn(|k| k as f32);
+        for set in 0..1u32 << R::LANES {
+            let mask = R::M::from_bits(set);
+            let lanes = R::load(&numbers, 3).ordered(R::order(mask));
+            let mut first = 0;
+            each(set, |lane| {
+                assert_eq!(lanes.lane(first), (3 + lane) as f32, "{set:b}");
+                first += 1;
+            });
+        }
+        let places = R::B::from_fn(|lane| lane as u32 * 37 % 110);
+        let found = R::gather(&numbers, places);
+        let mut kept = [0.0; 100];
+        found.store(&mut kept, 100 - R::LANES);
+        for lane in 0..R::LANES {
+            let expected = (lane * 37 % 110).min(99) as f32;
+            assert_eq!(found.lane(lane), expected);
+            assert_eq!(kept[100 - R::LANES + lane], expected);
+        }
+        assert_eq!(R::first(3).bits(), 7 & R::everywhere().bits());
+    }
+}
+
+#[test]
+fn lanes_are_packed_and_gathered() {
+    run_with_each(Moves);
 }

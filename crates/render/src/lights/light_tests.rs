@@ -98,13 +98,13 @@ fn ball(toward: DVec3, distance: f64, sine: f64, radiance: &str) -> (String, f64
     (xml, PI * sine * sine * toward.z)
 }
 
-#[test]
-fn three_hundred_lamps_give_their_sum_with_less_noise_than_even_chances() {
+/// Three hundred lamps of very different powers and distances, number `set` of such sets, and their irradiance.
+fn three_hundred_lamps(set: u64) -> (String, f64) {
     const LAMPS: u32 = 300;
     let mut content = String::new();
     let mut irradiance = 0.0;
     for lamp in 0..LAMPS {
-        let [strength, far, ..] = numbers(u64::from(lamp));
+        let [strength, far, ..] = numbers(1000 * set + u64::from(lamp));
         let radiance = 10f64.powf(4.0 * strength - 2.0);
         let radiance_xml = format!("<float name='radiance' value='{radiance}'/>");
         let distance = 10f64.powf(1.5 * far - 0.5);
@@ -113,12 +113,26 @@ fn three_hundred_lamps_give_their_sum_with_less_noise_than_even_chances() {
         content += &xml;
         irradiance += radiance * each;
     }
-    let mut built = floor(&content);
-    let expected = ALBEDO / PI * irradiance;
-    let chosen = assert_seen("chosen", &built, 550.0, 100_000, expected);
-    built.scene.weigh_lights_evenly();
-    let even = assert_seen("even", &built, 550.0, 100_000, expected);
-    assert!(chosen < 0.5 * even, "{chosen} {even}");
+    (content, irradiance)
+}
+
+#[test]
+fn three_hundred_lamps_give_their_sum_with_less_noise_than_even_chances() {
+    // how much it helps depends on where the brightest of them stand: twice in the mean over some sets of them
+    const SETS: u64 = 8;
+    let mut logarithms = 0.0;
+    for set in 0..SETS {
+        let (content, irradiance) = three_hundred_lamps(set);
+        let mut built = floor(&content);
+        let expected = ALBEDO / PI * irradiance;
+        let chosen = assert_seen("chosen", &built, 550.0, 100_000, expected);
+        built.scene.weigh_lights_evenly();
+        let even = assert_seen("even", &built, 550.0, 100_000, expected);
+        assert!(chosen < even, "set {set}: {chosen} {even}");
+        logarithms += (chosen / even).ln();
+    }
+    let ratio = (logarithms / SETS as f64).exp();
+    assert!(ratio < 0.5, "{ratio}");
 }
 
 /// Irradiance at the origin, normal +z, of a polygon above it of radiance 1.

@@ -36,7 +36,7 @@ pub(super) struct Arrival<L: Light> {
     pub(super) weight: f32,
 }
 
-impl<L: Light, W: Witness, const WAVES: bool> Walk<'_, L, W, WAVES> {
+impl<L: Light, W: Witness> Walk<'_, L, W> {
     /// Adds the light of one emitter, or of several if the matter answers to coherence; `dimension` is the vertex's first.
     #[inline]
     pub(super) fn connect(
@@ -46,7 +46,7 @@ impl<L: Light, W: Witness, const WAVES: bool> Walk<'_, L, W, WAVES> {
         choice: f32,
         dimension: u32,
     ) {
-        if WAVES && let Some(lobe) = place.lobe {
+        if let Some(lobe) = place.lobe {
             let [u, v] = self.stream.pair(dimension + POINT);
             let [_, which] = self.stream.pair(dimension + ROULETTE);
             self.connect_lobe(throughput, place, lobe, choice, [u, v, which]);

@@ -9,7 +9,7 @@ use crate::geometry::ray::Ray;
 use crate::light::Light;
 use crate::scene::Encounter;
 
-impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
+impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
     /// Light of an emitter that the path has met.
     #[inline]
     pub(super) fn collect_hit(
@@ -25,7 +25,7 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
         let k = -ray.direction;
         let share = match (origin, waiting) {
             (None, _) => 1.0,
-            (Some(origin), Some(from)) if WAVES => {
+            (Some(origin), Some(from)) => {
                 self.collect_patch(throughput, origin, from, emitter, encounter, ray);
                 return;
             }

@@ -112,7 +112,7 @@ impl<'a, L: Light> Reservoir<'a, L> {
     }
 }
 
-impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
+impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
     /// Adds the light that matter finds which answers to coherence; its lobe has the given width.
     ///
     /// Lamps that send their light from one direction or in few patches are summed, all of them: one stands for the sum,

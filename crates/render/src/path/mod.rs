@@ -114,8 +114,8 @@ pub struct CameraSample<'a> {
     pub stream: SampleStream,
 }
 
-/// One camera sample on its way. Without `WAVES` no matter answers to coherence, and nothing waits.
-struct Walk<'a, L: Light, W: Witness, const WAVES: bool> {
+/// One camera sample on its way.
+struct Walk<'a, L: Light, W: Witness> {
     scene: &'a Scene,
     options: &'a PathOptions,
     wavelengths: &'a [f32],
@@ -138,17 +138,10 @@ pub fn trace<L: Light, W: Witness>(
     witness: &mut W,
 ) -> L::Stokes {
     counters.paths += 1;
-    // the compiler makes one walk for each kind of scene
-    if scene.traits().coherent {
-        Walk::<L, W, true>::new(scene, options, &sample, stack, counters, witness)
-            .follow(sample.start)
-    } else {
-        Walk::<L, W, false>::new(scene, options, &sample, stack, counters, witness)
-            .follow(sample.start)
-    }
+    Walk::<L, W>::new(scene, options, &sample, stack, counters, witness).follow(sample.start)
 }
 
-impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
+impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
     #[inline]
     fn new(
         scene: &'a Scene,
@@ -234,18 +227,13 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
                 break;
             }
 
-            // only waves ask how far it is
-            let arm = if WAVES {
-                (surface.position - ray.origin).length()
-            } else {
-                f32::INFINITY
-            };
+            let arm = (surface.position - ray.origin).length();
 
             // light that matter scatters comes to the vertex behind from a point; what that matter lets through
             // unscattered still has to tell where it comes from
             let mut scattered = waiting
                 .as_ref()
-                .filter(|_| WAVES && !traits.discrete)
+                .filter(|_| !traits.discrete)
                 .map(|from| self.point_through(&throughput, from, arm));
             if scattered.as_ref().is_some_and(|s| L::strength(s) <= 0.0) {
                 break;
@@ -285,7 +273,7 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
             } else {
                 frame
             };
-            let lobe = if WAVES && traits.coherent && options.patch > 0.0 {
+            let lobe = if traits.coherent && options.patch > 0.0 {
                 material.lobe_width(&vertex, self.wavelengths)
             } else {
                 None
@@ -357,7 +345,7 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
             } else {
                 // matter that answers to coherence, without patches: light comes from a point
                 let coherence = match &encounter {
-                    Some(next) if WAVES && traits.coherent => {
+                    Some(next) if traits.coherent => {
                         let arm = (next.surface.position - surface.position).length();
                         Coherence::from_point(arm)
                     }
@@ -372,7 +360,7 @@ impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
                 );
                 let response = L::map_axes(response, |v| frame.to_world(v));
                 let weight = departure.density.recip();
-                if let Some(from) = waiting.as_ref().filter(|_| WAVES) {
+                if let Some(from) = waiting.as_ref() {
                     self.way
                         .extend(response, weight, o_world, vertex.viewer_distance);
                     self.way.note(departure.part, owner.material);

@@ -38,7 +38,7 @@ pub struct PlanePoint<'a> {
 /// First random dimension of the plane: beyond those of every vertex.
 const DIMENSIONS: u32 = 1 << 31;
 
-impl<L: Light, W: Witness, const WAVES: bool> Walk<'_, L, W, WAVES> {
+impl<L: Light, W: Witness> Walk<'_, L, W> {
     /// What the path has collected where its throughput counts in `scale`.
     pub(super) fn seen_in(&self, scale: f32) -> L::Stokes {
         let mut seen = L::dark();

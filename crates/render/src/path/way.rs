@@ -109,7 +109,7 @@ impl<L: Light> Way<L> {
     }
 }
 
-impl<'a, L: Light, W: Witness, const WAVES: bool> Walk<'a, L, W, WAVES> {
+impl<'a, L: Light, W: Witness> Walk<'a, L, W> {
     /// The patch of a flat emitter that a way through specular matter has hit, as the vertex behind sees it.
     ///
     /// `None` where neighbouring rays go other ways, near a caustic, and for emitters that are not flat.

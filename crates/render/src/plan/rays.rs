@@ -21,12 +21,13 @@ pub(super) fn decide(stock: &Stock<'_>, request: &Request<'_>) -> Vec<Decision> 
     decisions
 }
 
-/// Coherence where matter answers to it.
+/// Coherence where matter answers to it: it decides whether paths are followed one by one or side by side, and is never
+/// followed where nothing asks for it.
 fn coherence(stock: &Stock<'_>) -> Decision {
     const WHAT: &str = "coherence of the light on matter";
     match stock.who(|_, traits| traits.coherent) {
         Some(matter) => Decision::kept(WHAT, format!("{matter} answers to it")),
-        None => Decision::skipped(WHAT, "no matter answers to it"),
+        None => Decision::absent(WHAT, "no matter answers to it"),
     }
 }
 

@@ -120,13 +120,12 @@ impl Scene {
         used
     }
 
-    /// Has paths look for coherence, for flat elements and for emitters where there are none, and go on behind what is
-    /// black: the image stays the same.
+    /// Has paths look for flat elements and for emitters where there are none, and go on behind what is black: the image
+    /// stays the same.
     pub fn follow_everything(&mut self) {
         for traits in &mut self.material_traits {
             traits.black = false;
         }
-        self.traits.coherent = true;
         self.traits.straight = true;
         self.unmet = false;
     }
