@@ -15,7 +15,7 @@ use crate::scene::{Body, Scene};
 use crate::shape::abreast::{AreaSamples, Surfaces};
 use crate::shape::{Shape, Surface};
 
-/// A [`Connection`] a lane.
+/// A [`Connection`](super::Connection) a lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Connections<R: Real> {
     /// Where there is one.

@@ -149,7 +149,6 @@ impl Real for f32 {
         self <= other
     }
     #[inline(always)]
-    #[expect(clippy::float_cmp, reason = "this is what is asked for")]
     fn eq(self, other: Self) -> bool {
         self == other
     }

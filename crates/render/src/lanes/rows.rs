@@ -56,12 +56,14 @@ impl<R: Real> Packed<R> {
     }
 }
 
-impl<const N: usize> Rows<N> {
+impl<const N: usize> Default for Rows<N> {
     /// Zeros.
-    pub fn new() -> Self {
+    fn default() -> Self {
         Self(Box::new([[0.0; LENGTH]; N]))
     }
+}
 
+impl<const N: usize> Rows<N> {
     /// The numbers of a row.
     #[inline(always)]
     pub fn get<R: Real>(&self, row: usize, columns: Columns<R>) -> R {

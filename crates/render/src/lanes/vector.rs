@@ -4,7 +4,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 use glam::Vec3A;
 
-use super::Real;
+use super::{MOST, Real};
 
 /// A vector a lane.
 #[derive(Clone, Copy, Debug)]
@@ -63,14 +63,11 @@ impl<R: Real> V3<R> {
     /// Lane by lane.
     #[inline(always)]
     pub fn from_fn(mut f: impl FnMut(usize) -> Vec3A) -> Self {
-        let mut all = [[0.0; super::MOST]; 3];
-        for lane in 0..R::LANES {
-            let v = f(lane);
-            all[0][lane] = v.x;
-            all[1][lane] = v.y;
-            all[2][lane] = v.z;
+        let (mut x, mut y, mut z) = ([0.0; MOST], [0.0; MOST], [0.0; MOST]);
+        let places = x.iter_mut().zip(&mut y).zip(&mut z);
+        for (lane, ((x, y), z)) in places.enumerate().take(R::LANES) {
+            [*x, *y, *z] = f(lane).to_array();
         }
-        let [x, y, z] = all;
         Self::new(
             R::from_fn(|lane| x[lane]),
             R::from_fn(|lane| y[lane]),
@@ -79,9 +76,9 @@ impl<R: Real> V3<R> {
     }
     /// All lanes; of [`MOST`](super::MOST) only as many count as there are.
     #[inline(always)]
-    pub fn lanes(self) -> [Vec3A; super::MOST] {
+    pub fn lanes(self) -> [Vec3A; MOST] {
         let (x, y, z) = (self.x.lanes(), self.y.lanes(), self.z.lanes());
-        let mut all = [Vec3A::ZERO; super::MOST];
+        let mut all = [Vec3A::ZERO; MOST];
         for (lane, v) in all.iter_mut().enumerate().take(R::LANES) {
             *v = Vec3A::new(x[lane], y[lane], z[lane]);
         }
@@ -89,7 +86,7 @@ impl<R: Real> V3<R> {
     }
     /// From all lanes.
     #[inline(always)]
-    pub fn from_lanes(all: &[Vec3A; super::MOST]) -> Self {
+    pub fn from_lanes(all: &[Vec3A; MOST]) -> Self {
         Self::from_fn(|lane| all[lane])
     }
     /// One lane.

@@ -2,7 +2,7 @@
 //!
 //! Some hundred camera paths go on together, link by link: first all find what they meet, then each kind of matter that
 //! was met sends on its own, as many at a time as there are lanes. What the paths collect, their random numbers and their
-//! weights are those of [`Walk`](super::Walk), which scenes with matter that answers to coherence need.
+//! weights are those of [`trace`](super::trace), which scenes with matter that answers to coherence need.
 //!
 //! Source: Laine, Karras, Aila, Megakernels Considered Harmful: Wavefront Path Tracing on GPUs, HPG 2013.
 
@@ -101,11 +101,11 @@ impl Wavefront {
     pub fn new(scene: &Scene) -> Self {
         Self {
             count: 0,
-            samples: Rows::new(),
+            samples: Rows::default(),
             stratified: false,
-            paths: Rows::new(),
-            longer: Rows::new(),
-            met: Rows::new(),
+            paths: Rows::default(),
+            longer: Rows::default(),
+            met: Rows::default(),
             waiting: Waiting {
                 lists: vec![vec![]; 2 * scene.materials.len()],
                 begun: vec![],

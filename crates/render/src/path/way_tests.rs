@@ -51,7 +51,7 @@ fn distances(content: &str, from: DVec3, direction: DVec3, parts: &[Part]) -> Op
     let (options, mut counters, mut stack) =
         (PathOptions::default(), Counters::default(), scene.stack());
     let mut witness = ();
-    let mut walk = Walk::<Intensity<1>, (), true> {
+    let mut walk = Walk::<Intensity<1>, ()> {
         scene,
         options: &options,
         wavelengths: &[550.0],

@@ -36,11 +36,11 @@ fn second<B: Bits>(index: B) -> B {
 /// A permutation of eight digits in which each digit depends on the lower ones alone; `seed` chooses it.
 #[inline(always)]
 fn permuted<B: Bits>(x: B, seed: B) -> B {
-    let x = x ^ x * B::splat(0x3d20_adea);
+    let x = x ^ (x * B::splat(0x3d20_adea));
     let x = x + seed;
     let x = x * (seed.shr::<16>() | B::splat(1));
-    let x = x ^ x * B::splat(0x0552_6c56);
-    let x = x ^ x * B::splat(0x53a2_2864);
+    let x = x ^ (x * B::splat(0x0552_6c56));
+    let x = x ^ (x * B::splat(0x53a2_2864));
     x & B::splat(0xff)
 }
 
