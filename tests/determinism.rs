@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-use brewster_tests::{SIGMAS, Shot, image_of, mean, repository};
+use brewster_tests::{SIGMAS, Shot, brewster, image_of, mean, repository};
 use render::engine::{Limits, render};
 use render::film::SpectralMode;
 use render::image::StokesImage;
@@ -65,6 +65,29 @@ fn the_number_of_threads_changes_no_bit() {
         let [one, two, three] =
             [1, 2, 3].map(|n| bits(&with_threads(n, &shot, &cornell(), Duration::ZERO).0));
         assert!(one == two && one == three);
+    }
+}
+
+#[test]
+fn the_instructions_of_the_processor_change_no_bit() {
+    let place = tempfile::tempdir().unwrap();
+    for name in ["cornell_spectral", "showroom"] {
+        let scene = repository().join("scenes").join(name).join("scene.xml");
+        let image = |wish: &str| {
+            let file = place.path().join(format!("{name}{wish}.npy"));
+            let status = brewster()
+                .env("BREWSTER_SIMD", wish)
+                .args([
+                    "render", "--rgb", "--size", "24x18", "--spp", "16", "--quiet", "-o",
+                ])
+                .args([&file, &scene])
+                .status()
+                .unwrap();
+            assert!(status.success(), "{name} {wish}");
+            std::fs::read(&file).unwrap()
+        };
+        let [all, avx2, portable] = ["", "avx2", "portable"].map(image);
+        assert!(all == avx2 && all == portable, "{name}");
     }
 }
 

@@ -202,6 +202,18 @@ impl<R: Real> Stream<R> {
         }
     }
 
+    /// Of no sample.
+    #[inline(always)]
+    pub fn nothing(stratified: bool) -> Self {
+        let zero = R::B::splat(0);
+        Self {
+            key: [zero; 2],
+            block: [zero; 2],
+            place: zero,
+            stratified,
+        }
+    }
+
     /// Lets it wait in rows from `row` on.
     #[inline(always)]
     pub fn put<const ROWS: usize>(&self, rows: &mut Rows<ROWS>, row: usize, columns: Packed<R>) {

@@ -19,8 +19,6 @@ mod lobe;
 mod patch_tests;
 mod plane;
 pub mod wavefront;
-#[cfg(test)]
-mod wavefront_tests;
 mod way;
 pub mod witness;
 

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use glam::{Vec3A, Vec4};
 
-use super::wavefront::{Beginnings, Wavefront};
-use super::{CameraSample, Counters, Start, trace};
+use super::{Beginnings, Wavefront};
 use crate::lanes::{Bits, COLUMNS, MOST, Real, Task, V3, run_with_each};
 use crate::light::Polarized;
+use crate::path::{CameraSample, Counters, Start, trace};
 use crate::sampler::{PixelStream, Stream};
 use crate::scene::{BuiltScene, Overrides, build, read_text};
 use crate::sensor::Camera;

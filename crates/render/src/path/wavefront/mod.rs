@@ -1,0 +1,419 @@
+//! Paths side by side: the path tracer for matter that does not ask for the coherence of light.
+//!
+//! Some hundred camera paths go on together, link by link: first all find what they meet, then each kind of matter that
+//! was met sends on its own, as many at a time as there are lanes. What the paths collect, their random numbers and their
+//! weights are those of [`trace`](super::trace), which scenes with matter that answers to coherence need.
+//!
+//! Source: Laine, Karras, Aila, Megakernels Considered Harmful: Wavefront Path Tracing on GPUs, HPG 2013.
+
+mod light;
+#[cfg(test)]
+mod tests;
+mod waiting;
+
+use glam::Vec3A;
+
+use super::{CHOICES, Counters, DIRECTION, FIRST_VERTEX, PER_VERTEX, POINT, PathOptions, ROULETTE};
+use crate::geometry::bvh::Stack;
+use crate::lanes::{Axes, Bits, Columns, Mask, Packed, Real, Rows, V3, each, part};
+use crate::light::abreast::Abreast;
+use crate::material::Material;
+use crate::material::abreast::Vertices;
+use crate::sampler::Stream;
+use crate::scene::Scene;
+use crate::scene::abreast::{Encounters, NONE};
+use crate::shape::abreast::{Rays, Surfaces, offset_origins};
+use light::{Looked, look};
+use waiting::{
+    PATH_ROWS, Paths, SAMPLE_ROWS, STREAM, SURFACE_ROWS, WAVELENGTHS, rays, wavelengths,
+};
+
+/// Paths on their way, and room for them.
+pub struct Wavefront {
+    count: usize,
+    samples: Rows<SAMPLE_ROWS>,
+    stratified: bool,
+    paths: Rows<PATH_ROWS>,
+    longer: Rows<PATH_ROWS>,
+    met: Rows<SURFACE_ROWS>,
+    waiting: Waiting,
+    /// Whether some light can be met that vertices have also looked for.
+    weighs: bool,
+}
+
+/// Paths that wait for their matter, by its side.
+struct Waiting {
+    lists: Vec<Vec<u32>>,
+    /// Lists with anyone in them.
+    begun: Vec<usize>,
+}
+
+impl Waiting {
+    fn clear(&mut self) {
+        for list in self.begun.drain(..) {
+            self.lists[list].clear();
+        }
+    }
+
+    #[inline(always)]
+    fn push(&mut self, list: usize, path: u32) {
+        let paths = &mut self.lists[list];
+        if paths.is_empty() {
+            self.begun.push(list);
+        }
+        paths.push(path);
+    }
+}
+
+/// Where paths begin.
+#[derive(Clone, Copy, Debug)]
+pub struct Beginnings<R> {
+    /// Start points, metres.
+    pub origin: V3<R>,
+    /// Directions in which the camera looks.
+    pub direction: V3<R>,
+    /// First axes of the Stokes frames.
+    pub axis: V3<R>,
+}
+
+impl Wavefront {
+    /// Room for the paths of a scene.
+    pub fn new(scene: &Scene) -> Self {
+        let scatters = |material: u32| !scene.traits_of(material).discrete;
+        Self {
+            weighs: !scene.emitters_are_unmet() && scene.used_materials().into_iter().any(scatters),
+            count: 0,
+            samples: Rows::default(),
+            stratified: false,
+            paths: Rows::default(),
+            longer: Rows::default(),
+            met: Rows::default(),
+            waiting: Waiting {
+                lists: vec![vec![]; 2 * scene.materials.len()],
+                begun: vec![],
+            },
+        }
+    }
+
+    /// Forgets all paths.
+    pub fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// Begins a path in each of the first `count` lanes: the next camera samples.
+    #[inline(always)]
+    pub fn begin<R: Real, L: Abreast>(
+        &mut self,
+        start: &Beginnings<R>,
+        wavelengths: &L::Values<R>,
+        stream: &Stream<R>,
+        count: usize,
+    ) {
+        let columns = Packed::<R>::new(self.count, R::everywhere());
+        self.stratified = stream.stratified;
+        stream.put(&mut self.samples, STREAM, columns);
+        for (w, value) in wavelengths.as_ref().iter().enumerate() {
+            self.samples.put(WAVELENGTHS + w, columns, *value);
+        }
+        let first = self.count as u32;
+        let sample = R::B::from_fn(|lane| first + lane as u32);
+        let unknown = V3::splat(Vec3A::Z);
+        Paths::<R, L> {
+            sample,
+            rays: Rays {
+                origin: start.origin,
+                direction: start.direction,
+                t_max: R::splat(f32::INFINITY),
+            },
+            eta: R::one(),
+            weighed: R::nowhere(),
+            last: unknown,
+            lit: unknown,
+            density: R::one(),
+            departure: unknown,
+            throughput: L::beginning(start.axis),
+        }
+        .put(&mut self.paths, columns, self.weighs);
+        self.count += count;
+    }
+
+    /// Follows all paths to their ends; what they collect is added to the sums of their samples.
+    #[inline(always)]
+    pub fn trace<R: Real, L: Abreast>(
+        &mut self,
+        scene: &Scene,
+        options: &PathOptions,
+        stack: &mut Stack,
+        counters: &mut Counters,
+        sums: &mut [L::Stokes],
+    ) {
+        counters.paths += self.count as u64;
+        let mut depth = 1;
+        while self.count > 0 && depth <= options.max_depth {
+            let mut link = Link {
+                scene,
+                options,
+                depth,
+                front: &mut *self,
+                stack: &mut *stack,
+                counters: &mut *counters,
+                sums: &mut *sums,
+            };
+            link.meet::<R, L>();
+            link.leave::<R, L>();
+            depth += 1;
+        }
+        self.count = 0;
+    }
+}
+
+#[inline(always)]
+fn count(lanes: u32) -> u64 {
+    u64::from(lanes.count_ones())
+}
+
+/// The side of a piece of matter that is seen.
+#[inline(always)]
+fn side(material: &Material, back: bool) -> &Material {
+    match material {
+        Material::TwoSided(both) => both.sides()[usize::from(back)],
+        one => one,
+    }
+}
+
+impl<R: Real> Vertices<R> {
+    /// Seen by matter whose normal is on the other side.
+    #[inline(always)]
+    fn turned(&self) -> Self {
+        let (o, axis) = (self.o, self.sights.axis);
+        let mut turned = *self;
+        turned.o = V3::new(o.x, -o.y, -o.z);
+        turned.axes = self.axes.flipped_where(R::everywhere());
+        turned.sights.axis = V3::new(axis.x, -axis.y, -axis.z);
+        turned
+    }
+}
+
+/// One link of all paths: from where they are to the next matter, and the directions in which they leave it.
+struct Link<'a, S> {
+    scene: &'a Scene,
+    options: &'a PathOptions,
+    /// Number of the link: 1 from the camera.
+    depth: u32,
+    front: &'a mut Wavefront,
+    stack: &'a mut Stack,
+    counters: &'a mut Counters,
+    sums: &'a mut [S],
+}
+
+part!(Leave<'a, 'b; R, L: Abreast>(link: &'a mut Link<'b, L::Stokes>, list: usize, columns: Columns<R>, lanes: R::M,
+    longer: usize) -> usize: Link::<L::Stokes>::leave_one::<R, L>);
+part!(Look<'a; R, L: Abreast>(scene: &'a Scene, at: &'a Surfaces<R>, lit: &'a Axes<R>, choice: R, u: [R; 2],
+    wavelengths: &'a L::Values<R>, lanes: R::M) -> Option<Looked<R, L::Values<R>>>: look::<R, L>);
+
+impl<S> Link<'_, S> {
+    /// Finds what paths meet; collects the light of sources, and sorts paths by the matter that they have met.
+    #[inline(always)]
+    fn meet<R: Real, L: Abreast<Stokes = S>>(&mut self) {
+        let (scene, depth) = (self.scene, self.depth);
+        self.front.waiting.clear();
+        for first in (0..self.front.count).step_by(R::LANES) {
+            let lanes = R::first(self.front.count - first);
+            let columns = Columns::From(first);
+            let mut rays = rays::<R>(&self.front.paths, columns);
+            self.counters.rays += count(lanes.bits());
+            let mut met = scene.meet(&rays, lanes, self.stack);
+            let show = !self.options.hide_emitters || depth > 1;
+            if !show {
+                self.look_beyond(&mut rays, &mut met, lanes);
+            }
+            self.collect::<R, L>(columns, &rays, &met, lanes, show);
+            let alive = lanes & met.exist;
+            if depth >= self.options.max_depth || !alive.any() {
+                continue;
+            }
+            met.surfaces
+                .put(&mut self.front.met, Packed::new(first, R::everywhere()));
+            let behind = rays.direction.dot(met.surfaces.axes.n).gt(R::zero()).bits();
+            each(alive.bits(), |lane| {
+                let material = met.materials[lane];
+                if !scene.traits_of(material).black {
+                    let back = (behind >> lane & 1) as usize;
+                    let list = 2 * material as usize + back;
+                    self.front.waiting.push(list, (first + lane) as u32);
+                }
+            });
+        }
+    }
+
+    /// Sends paths on, one kind of matter after the other.
+    #[inline(always)]
+    fn leave<R: Real, L: Abreast<Stokes = S>>(&mut self) {
+        let mut longer = 0;
+        for list in 0..self.front.waiting.begun.len() {
+            let list = self.front.waiting.begun[list];
+            let paths = std::mem::take(&mut self.front.waiting.lists[list]);
+            for some in paths.chunks(R::LANES) {
+                let lanes = R::first(some.len());
+                let columns = Columns::listed(some);
+                longer += R::apart(Leave::<R, L> {
+                    link: &mut *self,
+                    list,
+                    columns,
+                    lanes,
+                    longer,
+                });
+            }
+            self.front.waiting.lists[list] = paths;
+        }
+        std::mem::swap(&mut self.front.paths, &mut self.front.longer);
+        self.front.count = longer;
+    }
+
+    /// Sends on paths that have met the same matter on the same side; those that go on are put from column `first` on.
+    /// Returns how many do.
+    #[inline(always)]
+    fn leave_one<R: Real, L: Abreast<Stokes = S>>(
+        &mut self,
+        list: usize,
+        columns: Columns<R>,
+        lanes: R::M,
+        first: usize,
+    ) -> usize {
+        let (scene, depth) = (self.scene, self.depth);
+        let last = self.options.max_depth;
+        let weighs = self.front.weighs;
+        let mut paths = Paths::<R, L>::taken(&self.front.paths, columns, weighs);
+        let surfaces = Surfaces::taken(&self.front.met, columns);
+        let of_samples = Columns::Each(paths.sample);
+        let stratified = self.front.stratified;
+        let wavelengths = wavelengths::<R, L>(&self.front.samples, of_samples);
+        let dimension = FIRST_VERTEX + PER_VERTEX * (depth - 1);
+        let mut alive = lanes;
+        let long = depth > self.options.rr_depth;
+
+        let (number, back) = (list / 2, list % 2 == 1);
+        let traits = scene.traits_of(number as u32);
+        let material = side(&scene.materials[number], back);
+        let mut stream = Stream::nothing(stratified);
+        if long || !traits.discrete || material.numbers() > 0 {
+            stream = Stream::taken(&self.front.samples, STREAM, of_samples, stratified);
+        }
+
+        // end weak paths: those that no light can make strong at the sensor
+        if long {
+            let [roulette, _] = stream.pairs(R::B::splat(dimension + ROULETTE));
+            let reach = L::reaches(&paths.throughput);
+            let survival = (reach * paths.eta * paths.eta).min(R::splat(0.95));
+            alive = alive & roulette.lt(survival);
+            L::scale_lanes(&mut paths.throughput, survival.recip());
+            if !alive.any() {
+                return 0;
+            }
+        }
+
+        let axes = surfaces.axes;
+        let o_world = -paths.rays.direction;
+        let o = axes.to_local(o_world);
+        let lit = axes.flipped_where(o.z.lt(R::zero()));
+        let mut at = Vertices {
+            o,
+            position: surfaces.position,
+            axes,
+            sights: L::sights(&paths.throughput),
+        };
+        at.sights.axis = axes.to_local(at.sights.axis);
+        if back && matches!(scene.materials[number], Material::TwoSided(_)) {
+            at = at.turned();
+        }
+
+        let [mut choice, mut drawn] = [R::zero(); 2];
+        if !traits.discrete || material.numbers() > 0 {
+            [choice, drawn] = stream.pairs(R::B::splat(dimension + CHOICES));
+        }
+        if !traits.discrete && !scene.emitters.is_empty() {
+            let u = stream.pairs(R::B::splat(dimension + POINT));
+            let looking = Look::<R, L> {
+                scene,
+                at: &surfaces,
+                lit: &lit,
+                choice,
+                u,
+                wavelengths: &wavelengths,
+                lanes: alive,
+            };
+            if let Some(looked) = R::apart(looking) {
+                let ways = (&paths, material, &at, &wavelengths);
+                self.connect(ways, &surfaces, &looked, alive);
+            }
+        }
+        // a longer path would meet nothing that shines
+        if scene.emitters_are_unmet() && depth.saturating_add(1) >= last {
+            return 0;
+        }
+
+        let mut numbers = [drawn; 3];
+        if material.numbers() > 1 {
+            let [u, v] = stream.pairs(R::B::splat(dimension + DIRECTION));
+            numbers = [drawn, u, v];
+        }
+        let way = material.depart::<R, L>(&at, &wavelengths, numbers, alive);
+        let answers = L::to_world(&way.answers, &at.axes);
+        let direction = at.axes.to_world(way.direction);
+        let weight = way.density.recip();
+        let throughput = L::extended(&paths.throughput, &answers, weight, o_world, direction);
+        let on = alive & way.exist & L::strengths(&throughput).gt(R::zero());
+        let kept = on.bits();
+        if kept == 0 {
+            return 0;
+        }
+        Paths::<R, L> {
+            sample: paths.sample,
+            rays: Rays {
+                origin: offset_origins(
+                    surfaces.position,
+                    surfaces.error,
+                    surfaces.normal,
+                    direction,
+                ),
+                direction,
+                t_max: paths.rays.t_max,
+            },
+            eta: paths.eta * way.eta,
+            weighed: way.continuous | (paths.weighed & way.straight),
+            last: V3::select(way.continuous, surfaces.position, paths.last),
+            lit: V3::select(way.continuous, lit.n, paths.lit),
+            density: R::select(way.continuous, way.density, paths.density),
+            departure: V3::select(way.continuous, direction, paths.departure),
+            throughput,
+        }
+        .put(&mut self.front.longer, Packed::new(first, on), weighs);
+        kept.count_ones() as usize
+    }
+
+    /// The first surfaces that do not shine.
+    #[inline(always)]
+    fn look_beyond<R: Real>(&mut self, rays: &mut Rays<R>, met: &mut Encounters<R>, lanes: R::M) {
+        loop {
+            let mut shining = 0;
+            each((lanes & met.exist).bits(), |lane| {
+                shining |= u32::from(met.emitters[lane] != NONE) << lane;
+            });
+            if shining == 0 {
+                return;
+            }
+            self.counters.rays += count(shining);
+            let lanes = R::M::from_bits(shining);
+            let s = &met.surfaces;
+            let origin = offset_origins(s.position, s.error, s.normal, rays.direction);
+            rays.origin = V3::select(lanes, origin, rays.origin);
+            let behind = self.scene.meet(rays, lanes, self.stack);
+            met.exist = (met.exist & !lanes) | (behind.exist & lanes);
+            met.surfaces = Surfaces::select(lanes, &behind.surfaces, &met.surfaces);
+            each(shining, |lane| {
+                met.materials[lane] = behind.materials[lane];
+                met.emitters[lane] = behind.emitters[lane];
+            });
+        }
+    }
+}
