@@ -103,7 +103,8 @@ fn lamps_are_seen_in_every_order_with_its_power_also_in_conical_mounts() {
                 .max(total(i, p, depth, share))
                 .max(1.0);
             let expected = share(q, TAU / LAMBDA * depth * (o.z + i.z)) / cap;
-            let (found, error) = seen(&view(parameters, o, &lamp(i, 0.01)), 4000, 0.5);
+            // the weakest order carries 8e-4: some thirty samples of these
+            let (found, error) = seen(&view(parameters, o, &lamp(i, 0.01)), 40_000, 0.5);
             // angles within the pixel and the table of shares: 1e-4
             assert!(
                 (found - expected).abs() < 5.0 * error + 1e-4,
@@ -132,7 +133,8 @@ fn a_blaze_shines_on_the_side_that_its_facets_face() {
             .max(total(i, p, depth, blazed))
             .max(1.0);
         let expected = blazed(q, TAU / LAMBDA * depth * (o.z + i.z)) / cap;
-        let (found, error) = seen(&view(parameters, o, &lamp(i, 0.01)), 4000, 0.5);
+        // the weakest order carries 8e-4: some thirty samples of these
+        let (found, error) = seen(&view(parameters, o, &lamp(i, 0.01)), 40_000, 0.5);
         assert!(
             (found - expected).abs() < 5.0 * error + 1e-4,
             "order {q}: {found} ± {error}, {expected}"

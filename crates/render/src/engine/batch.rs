@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use super::Job;
 use super::spread::{Goal, Goals};
-use super::worker::{PER_SAMPLE, Taken, pixel_number};
+use super::worker::{PER_SAMPLE, Taken, listen, pixel_number};
 use crate::colour::sample_wavelength;
 use crate::film::{SampleColours, SampleSums, SpectralMode, TileSums};
 use crate::filter::FilterSampler;
@@ -65,10 +65,10 @@ pub(super) struct Batch {
 }
 
 impl Batch {
-    /// Room for those of a job, if it can be done this way: matter that asks for the coherence of light, and what
-    /// listens for it, follows paths one by one.
+    /// Room for those of a job, if it can be done this way: matter that asks for the coherence of light follows paths one
+    /// by one.
     pub(super) fn new(job: &Job) -> Option<Self> {
-        let one_by_one = job.scene.traits().coherent || job.coherence.is_some() || job.plan.dark;
+        let one_by_one = job.scene.traits().coherent || job.plan.dark;
         if one_by_one || !matches!(job.camera, Camera::Perspective(_)) {
             return None;
         }
@@ -358,6 +358,18 @@ impl<L: Abreast> Pass<'_, L> {
                 }
             }
             self.tile.keep(x, y, open, end);
+            if self.job.coherence.is_some() {
+                let counters = listen::<L>(
+                    (self.job, self.filter),
+                    self.tile,
+                    run.pixel,
+                    run.first..end,
+                    (run.block_start, run.last),
+                    self.stack,
+                );
+                taken.counters.paths += counters.paths;
+                taken.counters.rays += counters.rays;
+            }
         }
     }
 }

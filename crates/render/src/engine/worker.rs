@@ -1,6 +1,7 @@
 //! One thread at work: camera samples of the pixels of a tile, one by one; `batch.rs` takes them side by side.
 
 use std::marker::PhantomData;
+use std::ops::Range;
 
 use super::Job;
 use super::batch::{Batch, Pass};
@@ -131,8 +132,40 @@ pub(super) const PER_SAMPLE: usize = 4;
 struct Worker<'a, L: Light> {
     job: &'a Job,
     filter: &'a FilterSampler,
+    /// Whether light is followed elsewhere, and only its coherence here.
+    listens: bool,
     taken: Taken,
     light: PhantomData<L>,
+}
+
+/// Adds the coherence of samples of a pixel, those from number `samples.start` on, of a run of blocks.
+pub(super) fn listen<L: Light>(
+    (job, filter): (&Job, &FilterSampler),
+    tile: &mut TileSums,
+    [x, y]: [u32; 2],
+    samples: Range<u64>,
+    (block_start, last): (u64, u64),
+    stack: &mut Stack,
+) -> Counters {
+    let mut worker = Worker::<L>::new(job, filter);
+    worker.listens = true;
+    let pixel = Pixel::new(job, x, y);
+    let mut colours = SampleColours::new(job.mode.colours());
+    for sample in samples {
+        let stream = stream_of(sample, (sample - block_start) & last, last);
+        if let Some(coherence) = worker.sample(&pixel, &stream, &mut colours, stack) {
+            tile.add_coherence(x, y, &coherence);
+        }
+    }
+    worker.taken.counters
+}
+
+/// The random numbers of a sample of a pixel: number `place` of its block of `last + 1`.
+fn stream_of(sample: u64, place: u64, last: u64) -> impl Fn(PixelStream) -> SampleStream {
+    move |of| match last {
+        0 => of.alone(sample),
+        _ => of.in_block(sample, place as u32),
+    }
 }
 
 impl<'a, L: Light> Worker<'a, L> {
@@ -140,6 +173,7 @@ impl<'a, L: Light> Worker<'a, L> {
         Self {
             job,
             filter,
+            listens: false,
             taken: Taken::default(),
             light: PhantomData,
         }
@@ -163,10 +197,7 @@ impl<'a, L: Light> Worker<'a, L> {
             let last = goal.block - 1;
             for sample in taken..end {
                 let place = (sample - goal.first) & last;
-                let stream = |of: PixelStream| match last {
-                    0 => of.alone(sample),
-                    _ => of.in_block(sample, place as u32),
-                };
+                let stream = stream_of(sample, place, last);
                 colours.clear();
                 let coherence = self.sample(&pixel, &stream, &mut colours, stack);
                 if let Some(coherence) = coherence {
@@ -218,6 +249,9 @@ impl<'a, L: Light> Worker<'a, L> {
             }
             if let Some(ear) = &mut ear {
                 ear.listen::<L>(wavelengths, weight, stack, &mut self.taken.counters);
+            }
+            if self.listens {
+                return L::dark();
             }
             let camera = CameraSample {
                 start: &start,

@@ -180,7 +180,7 @@ fn lights_are_the_same_side_by_side() {
     for light in [
         "<emitter type='point'><point name='position' x='1' y='2' z='1'/></emitter>",
         "<emitter type='directional'><vector name='direction' x='-1' y='-2' z='-1'/></emitter>",
-        "<emitter type='rayleighsky'/>",
+        "<emitter type='rayleighsky'><vector name='sun_direction' x='1' y='2' z='0.5'/></emitter>",
         "<shape type='sphere'><point name='center' x='1.5' y='1' z='0'/><float name='radius' value='0.4'/>
             <emitter type='area'><string name='stokes' value='1, 0.3, 0.2, 0.5'/></emitter></shape>",
         "<shape type='disk'><transform name='to_world'><rotate x='1' angle='90'/><translate y='2'/></transform>
