@@ -22,7 +22,7 @@ use crate::plan::Plan;
 use crate::scene::{BuiltScene, Scene};
 use crate::sensor::Camera;
 use spread::Spread;
-use worker::{Bench, Taken, tile_pass};
+use worker::{Benches, Taken, tile_pass};
 
 /// Everything that a rendering needs, from the scene file and the command line.
 #[derive(Debug)]
@@ -278,6 +278,7 @@ pub fn render(
         None => Some(Spread::uniform(job)),
     };
     let mut most = 1;
+    let benches = Benches::new(job);
     'work: while let Some(current) = &goals {
         loop {
             let pass_start = Instant::now();
@@ -285,8 +286,8 @@ pub fn render(
                 .tiles
                 .par_iter_mut()
                 .map_init(
-                    || Bench::new(job),
-                    |bench, tile| tile_pass(job, &filter, tile, (current, most), bench),
+                    || benches.lend(),
+                    |lent, tile| tile_pass(job, &filter, tile, (current, most), lent),
                 )
                 .collect();
             let mut taken = Taken::default();

@@ -2,6 +2,7 @@
 
 use std::marker::PhantomData;
 use std::ops::Range;
+use std::sync::Mutex;
 
 use super::Job;
 use super::batch::{Batch, Pass};
@@ -42,7 +43,7 @@ impl std::ops::AddAssign for Taken {
 }
 
 /// What a thread works with.
-pub(super) struct Bench {
+struct Bench {
     stack: Stack,
     /// For paths side by side, where they can go so.
     batch: Option<Batch>,
@@ -50,10 +51,49 @@ pub(super) struct Bench {
 
 impl Bench {
     /// For the tiles of a job.
-    pub(super) fn new(job: &Job) -> Self {
+    fn new(job: &Job) -> Self {
         Self {
             stack: job.scene.stack(),
             batch: Batch::new(job),
+        }
+    }
+}
+
+/// What threads work with, kept from one pass to the next.
+pub(super) struct Benches<'a> {
+    job: &'a Job,
+    idle: Mutex<Vec<Bench>>,
+}
+
+/// What a thread works with, until it is dropped.
+pub(super) struct Lent<'a> {
+    bench: Option<Bench>,
+    back: &'a Mutex<Vec<Bench>>,
+}
+
+impl<'a> Benches<'a> {
+    /// For the tiles of a job; none yet.
+    pub(super) fn new(job: &'a Job) -> Self {
+        Self {
+            job,
+            idle: Mutex::default(),
+        }
+    }
+
+    /// One that nobody uses, or a new one.
+    pub(super) fn lend(&self) -> Lent<'_> {
+        let idle = self.idle.lock().ok().and_then(|mut idle| idle.pop());
+        Lent {
+            bench: Some(idle.unwrap_or_else(|| Bench::new(self.job))),
+            back: &self.idle,
+        }
+    }
+}
+
+impl Drop for Lent<'_> {
+    fn drop(&mut self) {
+        if let (Ok(mut idle), Some(bench)) = (self.back.lock(), self.bench.take()) {
+            idle.push(bench);
         }
     }
 }
@@ -64,8 +104,9 @@ pub(super) fn tile_pass(
     filter: &FilterSampler,
     tile: &mut TileSums,
     goals: (&Goals, u64),
-    bench: &mut Bench,
+    lent: &mut Lent<'_>,
 ) -> Taken {
+    let bench = lent.bench.get_or_insert_with(|| Bench::new(job));
     let pass = match (job.plan.stokes, job.plan.wavelengths) {
         (false, Wavelengths::Together) => pass::<Intensity<4>>,
         (true, Wavelengths::Together) => pass::<Polarized<4>>,

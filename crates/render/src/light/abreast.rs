@@ -91,6 +91,14 @@ pub struct Sights<R> {
 }
 
 impl<R: Real> Sights<R> {
+    /// No polarization rather than another.
+    #[inline(always)]
+    pub fn blind(axis: V3<R>) -> Self {
+        Self {
+            axis,
+            linear: [R::zero(); 2],
+        }
+    }
     /// One by one.
     #[inline(always)]
     pub fn lanes(&self) -> [Sight; MOST] {
@@ -115,8 +123,8 @@ impl<R: Real> Sights<R> {
 fn double_angles<R: Real>(from: V3<R>, to: V3<R>, k: V3<R>) -> (R, R) {
     let c = from.dot(to);
     let s = k.cross(from).dot(to);
-    // normalised: the axes are perpendicular to k only up to rounding
-    let norm = (c * c + s * s).recip();
+    // normalised: the axes are perpendicular to k only up to rounding, so that 2 − n is 1/n
+    let norm = R::splat(2.0) - (c * c + s * s);
     ((c * c - s * s) * norm, (c + c) * s * norm)
 }
 
@@ -613,9 +621,14 @@ impl<const N: usize> Abreast for Polarized<N> {
             }
         }
         let [all, a, b] = sums;
-        let (a, b) = (a / all, b / all);
+        let inverse = all.recip();
+        let (a, b) = (a * inverse, b * inverse);
         // at most 1 long; blind where nothing is seen
-        let shrink = (a * a + b * b).sqrt().max(R::one()).recip();
+        let squared = a * a + b * b;
+        let mut shrink = R::one();
+        if squared.gt(R::one()).any() {
+            shrink = squared.sqrt().max(R::one()).recip();
+        }
         let known = all.gt(R::zero());
         Sights {
             axis: throughput.axis,
@@ -758,10 +771,7 @@ impl<const N: usize> Abreast for Intensity<N> {
     }
     #[inline(always)]
     fn sights<R: Real>(_: &[R; N]) -> Sights<R> {
-        Sights {
-            axis: V3::splat(Vec3A::X),
-            linear: [R::zero(); 2],
-        }
+        Sights::blind(V3::splat(Vec3A::X))
     }
     #[inline(always)]
     fn scale_lanes<R: Real>(throughput: &mut [R; N], weight: R) {

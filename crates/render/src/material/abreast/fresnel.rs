@@ -9,8 +9,8 @@ pub(super) struct Interface<R: Real> {
     pub(super) reflection: Elements<R>,
     /// Transmission with its power weight, black beyond the critical angle.
     pub(super) transmission: Elements<R>,
-    /// Cosine of refraction; 0 beyond the critical angle.
-    pub(super) cos_t: R,
+    /// Cosine of refraction times the index on its side; 0 beyond the critical angle.
+    pub(super) grazing: R::D,
     /// Where light passes.
     pub(super) passes: R::M,
 }
@@ -26,7 +26,10 @@ pub(super) fn dielectric<R: Real>(cos_i: R, n1: R::D, n2: R::D) -> Interface<R> 
     let (a_s, a_p) = (grazing, n2 * n2 * cos);
     let w = squared.max(zero).sqrt();
     let b_p = n1 * w;
-    let (over_s, over_p) = (one / (a_s + w), one / (a_p + b_p));
+    // one division for both
+    let (sum_s, sum_p) = (a_s + w, a_p + b_p);
+    let over = one / (sum_s * sum_p);
+    let (over_s, over_p) = (sum_p * over, sum_s * over);
     let (r_s, r_p) = ((a_s - w) * over_s, (a_p - b_p) * over_p);
     let half = R::D::splat(0.5);
     let (power_s, power_p) = (r_s * r_s, r_p * r_p);
@@ -50,7 +53,7 @@ pub(super) fn dielectric<R: Real>(cos_i: R, n1: R::D, n2: R::D) -> Interface<R> 
         return Interface {
             reflection: real,
             transmission,
-            cos_t: (w / n2).narrow(),
+            grazing: w,
             passes,
         };
     }
@@ -68,7 +71,7 @@ pub(super) fn dielectric<R: Real>(cos_i: R, n1: R::D, n2: R::D) -> Interface<R> 
     Interface {
         reflection: Elements::select(passes, real, total),
         transmission: Elements::select(passes, transmission, none),
-        cos_t: (w / n2).narrow(),
+        grazing: w,
         passes,
     }
 }
@@ -76,7 +79,7 @@ pub(super) fn dielectric<R: Real>(cos_i: R, n1: R::D, n2: R::D) -> Interface<R> 
 /// See [`mueller16::ConductorInterface::reflection`]: light comes from index 1; black where the index is 0.
 #[inline(always)]
 pub(super) fn conductor<R: Real>(cos_i: R, eta: R, k: R) -> Elements<R> {
-    let (zero, one, half) = (R::D::splat(0.0), R::D::splat(1.0), R::D::splat(0.5));
+    let (one, half) = (R::D::splat(1.0), R::D::splat(0.5));
     let tiny = R::D::splat(1e-300);
     let (cos, eta, k) = (R::D::wide(cos_i), R::D::wide(eta), R::D::wide(k));
     // w = √(re − i loss) in the fourth quadrant: the larger component first
@@ -98,7 +101,6 @@ pub(super) fn conductor<R: Real>(cos_i: R, eta: R, k: R) -> Elements<R> {
     let scale = (difference * difference + loss) / whole.max(tiny);
     let black = (eta + k).narrow().le(R::zero());
     let scale = R::D::wide(scale.narrow().only(!black));
-    let _ = zero;
     Elements {
         mean: (scale * (aw + t * t)).narrow(),
         difference: (scale * twice * w_re).narrow(),

@@ -66,14 +66,16 @@ impl Dielectric {
         let element = &interface.reflection;
         let chance = (element.mean + seen * element.difference).clamp(0.0, 1.0);
         let reflected = u[0].lt(chance);
-        let ratio = (inside / outside) as f32;
-        let eta = R::select(above, R::splat(ratio), R::splat(ratio.recip()));
-        let away = interface.cos_t.copysign(o.z);
+        let (ratio, inverse) = ((inside / outside) as f32, (outside / inside) as f32);
+        let eta = R::select(above, R::splat(ratio), R::splat(inverse));
+        let shrink = R::select(above, R::splat(inverse), R::splat(ratio));
+        let over_n2 = R::D::splat(inside.recip()) * up + R::D::splat(outside.recip()) * down;
+        let away = (interface.grazing * over_n2).narrow().copysign(o.z);
         // Snell's law across, the cosine along: normalised once more in single precision
-        let refracted = V3::new(-(o.x / eta), -(o.y / eta), -away).normalize();
+        let refracted = V3::new(-(o.x * shrink), -(o.y * shrink), -away).normalize();
         let direction = V3::select(reflected, mirrored(o, upright()), refracted);
         // radiance counts by the squared index of its medium
-        let dense = (eta * eta).recip();
+        let dense = shrink * shrink;
         let ways = [interface.reflection, interface.transmission.scaled(dense)];
         let [back, on] = self.factors();
         let mut elements = L::diagonals(ways[0]);

@@ -241,10 +241,7 @@ impl<S> Link<'_, S> {
                 o: axes.to_local(-direction),
                 position: met.surfaces.position,
                 axes,
-                sights: Sights {
-                    axis: axes.s,
-                    linear: [R::zero(); 2],
-                },
+                sights: Sights::blind(axes.s),
             };
             let behind = front.o.z.le(R::zero());
             for (number, group) in groups::<R>(&met.materials, open.bits()) {

@@ -16,7 +16,7 @@ use glam::Vec3A;
 use super::{CHOICES, Counters, DIRECTION, FIRST_VERTEX, PER_VERTEX, POINT, PathOptions, ROULETTE};
 use crate::geometry::bvh::Stack;
 use crate::lanes::{Axes, Bits, Columns, Mask, Packed, Real, Rows, V3, each, part};
-use crate::light::abreast::Abreast;
+use crate::light::abreast::{Abreast, Sights};
 use crate::material::Material;
 use crate::material::abreast::Vertices;
 use crate::sampler::Stream;
@@ -320,9 +320,12 @@ impl<S> Link<'_, S> {
             o,
             position: surfaces.position,
             axes,
-            sights: L::sights(&paths.throughput),
+            sights: Sights::blind(axes.s),
         };
-        at.sights.axis = axes.to_local(at.sights.axis);
+        if traits.chooses {
+            at.sights = L::sights(&paths.throughput);
+            at.sights.axis = axes.to_local(at.sights.axis);
+        }
         if back && matches!(scene.materials[number], Material::TwoSided(_)) {
             at = at.turned();
         }

@@ -183,10 +183,11 @@ fn lights_are_the_same_side_by_side() {
         "<emitter type='rayleighsky'><vector name='sun_direction' x='1' y='2' z='0.5'/></emitter>",
         "<shape type='sphere'><point name='center' x='1.5' y='1' z='0'/><float name='radius' value='0.4'/>
             <emitter type='area'><string name='stokes' value='1, 0.3, 0.2, 0.5'/></emitter></shape>",
-        "<shape type='disk'><transform name='to_world'><rotate x='1' angle='90'/><translate y='2'/></transform>
+        "<shape type='disk'><transform name='to_world'><scale value='0.5'/><rotate x='1' angle='90'/><translate x='1.5' y='1.8'/></transform>
             <emitter type='area'/></shape>",
     ] {
-        compare(&format!("{}{light}", ball(bsdf)));
+        let ball = format!("<shape type='sphere'><float name='radius' value='0.9'/>{bsdf}</shape>{LAMP}");
+        compare(&format!("{ball}{light}"));
         let alone = format!("<shape type='cube'><transform name='to_world'><scale value='0.5'/></transform>{bsdf}</shape>{light}");
         compare(&alone);
     }
