@@ -2,7 +2,7 @@
 //!
 //! An upper bound from the light sources, the matter in the scene and the length of paths: whatever polarization arrives
 //! was sent out so or was made by matter. Where something polarizes, S0 depends on the rest, and all of the Stokes vector
-//! is followed: S3 alone is the fourth number of a register that holds four, and nothing is gained by leaving it out.
+//! is followed, S3 too: there is no algebra of its own for light that is never circular.
 
 use super::{Decision, Request, Stock};
 use crate::material::{Effect, Matter};
