@@ -89,11 +89,6 @@ impl<R: Real> V3<R> {
     pub fn from_lanes(all: &[Vec3A; MOST]) -> Self {
         Self::from_fn(|lane| all[lane])
     }
-    /// One lane.
-    #[inline(always)]
-    pub fn lane(self, lane: usize) -> Vec3A {
-        Vec3A::new(self.x.lane(lane), self.y.lane(lane), self.z.lane(lane))
-    }
     /// Scalar product.
     #[inline(always)]
     pub fn dot(self, o: Self) -> R {

@@ -32,20 +32,6 @@ impl<R: Real> Elements<R> {
             sine: R::splat(element.sine),
         }
     }
-    /// Lane by lane.
-    #[inline(always)]
-    pub fn from_fn(mut f: impl FnMut(usize) -> Element) -> Self {
-        let mut all = [Element::BLACK; MOST];
-        for (lane, element) in all.iter_mut().enumerate().take(R::LANES) {
-            *element = f(lane);
-        }
-        Self {
-            mean: R::from_fn(|lane| all[lane].mean),
-            difference: R::from_fn(|lane| all[lane].difference),
-            cosine: R::from_fn(|lane| all[lane].cosine),
-            sine: R::from_fn(|lane| all[lane].sine),
-        }
-    }
     /// All four numbers times `weight`.
     #[inline(always)]
     #[must_use]
