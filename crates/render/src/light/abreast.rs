@@ -1,7 +1,7 @@
 //! The algebra of light for paths side by side: the same products as for one, a path a lane.
 //!
-//! Throughputs are whole matrices here. Behind a depolarizer all but the first column is zero: lanes of either kind then
-//! go on together, and no lane waits for another.
+//! A throughput is kept as small as the path allows, see [`Throughputs`]. Paths whose throughputs are of one kind go on
+//! together, so that all lanes do the same.
 
 use glam::{Mat4, Vec3A, Vec4, vec4};
 
@@ -125,11 +125,38 @@ pub enum Answers<R, const N: usize> {
     General(V3<R>, V3<R>, [Matrices<R>; N]),
 }
 
-/// Mueller matrices of paths; they act on light in the frame of `axis`.
+/// Kinds of throughputs, at most.
+pub const KINDS: usize = 4;
+
+/// Mueller matrices of paths, from the frame of `axis` to that of the sensor, all of one kind.
 #[derive(Clone, Copy, Debug)]
-pub struct Throughputs<R, const N: usize> {
-    axis: V3<R>,
-    matrices: [Matrices<R>; N],
+pub enum Throughputs<R, const N: usize> {
+    /// One: nothing has been met yet.
+    Unit {
+        /// First axis of the Stokes frame.
+        axis: V3<R>,
+    },
+    /// Any.
+    Whole {
+        /// First axis of the Stokes frame.
+        axis: V3<R>,
+        /// By columns.
+        matrices: [Matrices<R>; N],
+    },
+    /// A column times a row: the path has met a depolarizer.
+    Product {
+        /// First axis of the Stokes frame.
+        axis: V3<R>,
+        /// What of the path the sensor sees.
+        columns: [[R; 4]; N],
+        /// What of light goes that way.
+        rows: [[R; 4]; N],
+    },
+    /// A column times (1, 0, 0, 0): only the radiance matters, since the path has just met a depolarizer.
+    Column {
+        /// What of the path the sensor sees.
+        columns: [[R; 4]; N],
+    },
 }
 
 /// Light along paths side by side.
@@ -170,13 +197,12 @@ pub trait Abreast: Light {
     fn to_world<R: Real>(answer: &Self::Answers<R>, axes: &Axes<R>) -> Self::Answers<R>;
     /// The empty path in the frame of `axis`.
     fn beginning<R: Real>(axis: V3<R>) -> Self::Throughputs<R>;
-    /// Longer by a vertex, weighted; `k_out` is the direction of light that leaves it, `i` that toward the light.
+    /// Longer by a vertex, weighted; `k_out` is the direction of light that leaves it.
     fn extended<R: Real>(
         throughput: &Self::Throughputs<R>,
         answer: &Self::Answers<R>,
         weight: R,
         k_out: V3<R>,
-        i: V3<R>,
     ) -> Self::Throughputs<R>;
     /// `a` where the mask holds, elsewhere `b`.
     fn select<R: Real>(
@@ -202,11 +228,21 @@ pub trait Abreast: Light {
     ) -> Self::Seen<R>;
     /// Adds what lanes see to the sums of their camera samples.
     fn add_to<R: Real>(sums: &mut [Self::Stokes], samples: R::B, seen: &Self::Seen<R>, lanes: R::M);
-    /// Throughputs that wait in rows from `row` on.
+    /// Of which kind throughputs are: a number below [`KINDS`].
+    fn kind<R: Real>(throughput: &Self::Throughputs<R>) -> usize;
+    /// Throughputs of a kind that wait in rows from `row` on.
     fn taken<R: Real, const ROWS: usize>(
         rows: &Rows<ROWS>,
         row: usize,
         columns: Columns<R>,
+        kind: usize,
+    ) -> Self::Throughputs<R>;
+    /// Of such throughputs what acts on unpolarized light.
+    fn taken_for_unpolarized<R: Real, const ROWS: usize>(
+        rows: &Rows<ROWS>,
+        row: usize,
+        columns: Columns<R>,
+        kind: usize,
     ) -> Self::Throughputs<R>;
     /// Lets throughputs wait in rows from `row` on.
     fn put<R: Real, const ROWS: usize>(
@@ -221,8 +257,8 @@ pub trait Abreast: Light {
     fn reaches<R: Real>(throughput: &Self::Throughputs<R>) -> R;
     /// See [`Light::sight`].
     fn sights<R: Real>(throughput: &Self::Throughputs<R>) -> Sights<R>;
-    /// Scales each path.
-    fn scale_lanes<R: Real>(throughput: &mut Self::Throughputs<R>, weight: R);
+    /// Times a number a path.
+    fn scaled_lanes<R: Real>(throughput: &Self::Throughputs<R>, weight: R) -> Self::Throughputs<R>;
 }
 
 /// Arrays of wavelengths, written out: closures that are not inlined would lose the instructions.
@@ -242,6 +278,12 @@ fn turned_vector<R: Real>(v: [R; 4], (c, s): (R, R)) -> [R; 4] {
     [v[0], c * v[1] - s * v[2], s * v[1] + c * v[2], v[3]]
 }
 
+/// A row with its linear part turned into the frame of the double angle (c, s).
+#[inline(always)]
+fn turned_row<R: Real>(r: [R; 4], (c, s): (R, R)) -> [R; 4] {
+    [r[0], c * r[1] + s * r[2], c * r[2] - s * r[1], r[3]]
+}
+
 #[inline(always)]
 fn turned_columns<R: Real>(m: &Matrices<R>, (c, s): (R, R)) -> Matrices<R> {
     let mut turned = *m;
@@ -252,16 +294,45 @@ fn turned_columns<R: Real>(m: &Matrices<R>, (c, s): (R, R)) -> Matrices<R> {
     turned
 }
 
+/// A row times an element.
+#[inline(always)]
+fn row_times_element<R: Real>(r: [R; 4], e: &Elements<R>) -> [R; 4] {
+    [
+        e.mean * r[0] + e.difference * r[1],
+        e.difference * r[0] + e.mean * r[1],
+        e.cosine * r[2] - e.sine * r[3],
+        e.sine * r[2] + e.cosine * r[3],
+    ]
+}
+
 #[inline(always)]
 fn times_elements<R: Real>(m: &Matrices<R>, e: &Elements<R>) -> Matrices<R> {
     let mut product = *m;
     for row in 0..4 {
-        product[0][row] = e.mean * m[0][row] + e.difference * m[1][row];
-        product[1][row] = e.difference * m[0][row] + e.mean * m[1][row];
-        product[2][row] = e.cosine * m[2][row] - e.sine * m[3][row];
-        product[3][row] = e.sine * m[2][row] + e.cosine * m[3][row];
+        let [a, b, c, d] = row_times_element([m[0][row], m[1][row], m[2][row], m[3][row]], e);
+        product[0][row] = a;
+        product[1][row] = b;
+        product[2][row] = c;
+        product[3][row] = d;
     }
     product
+}
+
+/// An element, its columns turned out of the frame of the double angle (c, s).
+#[inline(always)]
+fn turned_element<R: Real>(e: &Elements<R>, (c, s): (R, R)) -> Matrices<R> {
+    let none = R::zero();
+    [
+        [e.mean, c * e.difference, s * e.difference, none],
+        [e.difference, c * e.mean, s * e.mean, none],
+        [none, -(s * e.cosine), c * e.cosine, -e.sine],
+        [none, -(s * e.sine), c * e.sine, e.cosine],
+    ]
+}
+
+#[inline(always)]
+fn dot<R: Real>(a: [R; 4], b: [R; 4]) -> R {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
 }
 
 #[inline(always)]
@@ -276,6 +347,144 @@ fn times_vector<R: Real>(m: &Matrices<R>, v: [R; 4]) -> [R; 4] {
 #[inline(always)]
 fn scaled_vector<R: Real>(v: [R; 4], weight: R) -> [R; 4] {
     [v[0] * weight, v[1] * weight, v[2] * weight, v[3] * weight]
+}
+
+/// A vector of numbers in as many rows.
+#[inline(always)]
+fn four<R: Real, const ROWS: usize>(rows: &Rows<ROWS>, row: usize, columns: Columns<R>) -> [R; 4] {
+    [
+        rows.get(row, columns),
+        rows.get(row + 1, columns),
+        rows.get(row + 2, columns),
+        rows.get(row + 3, columns),
+    ]
+}
+
+#[inline(always)]
+fn put_four<R: Real, const ROWS: usize>(
+    rows: &mut Rows<ROWS>,
+    row: usize,
+    columns: Packed<R>,
+    v: &[R; 4],
+) {
+    for (k, value) in v.iter().enumerate() {
+        rows.put(row + k, columns, *value);
+    }
+}
+
+#[inline(always)]
+fn select_four<R: Real>(mask: R::M, a: &[R; 4], b: &[R; 4]) -> [R; 4] {
+    let mut chosen = *b;
+    for (to, a) in chosen.iter_mut().zip(a) {
+        *to = R::select(mask, *a, *to);
+    }
+    chosen
+}
+
+const UNIT: usize = 0;
+const WHOLE: usize = 1;
+const PRODUCT: usize = 2;
+const COLUMN: usize = 3;
+
+impl<R: Real, const N: usize> Throughputs<R, N> {
+    /// The first column, of one wavelength.
+    #[inline(always)]
+    fn first_column(&self, w: usize) -> [R; 4] {
+        match self {
+            Self::Unit { .. } => [R::one(), R::zero(), R::zero(), R::zero()],
+            Self::Whole { matrices, .. } => matrices[w][0],
+            Self::Product { columns, rows, .. } => scaled_vector(columns[w], rows[w][0]),
+            Self::Column { columns } => columns[w],
+        }
+    }
+
+    /// The double angle from its frame to that of an axis; none that matters where no frame does.
+    #[inline(always)]
+    fn turn_to(&self, to: V3<R>, k: V3<R>) -> (R, R) {
+        match self {
+            Self::Unit { axis } | Self::Whole { axis, .. } | Self::Product { axis, .. } => {
+                double_angles(*axis, to, k)
+            }
+            Self::Column { .. } => (R::one(), R::zero()),
+        }
+    }
+
+    /// A Stokes vector in a frame that is turned by the double angle, as the sensor sees it, of one wavelength.
+    #[inline(always)]
+    fn times(&self, w: usize, v: [R; 4], turn: (R, R)) -> [R; 4] {
+        match self {
+            Self::Unit { .. } => turned_vector(v, turn),
+            Self::Whole { matrices, .. } => times_vector(&matrices[w], turned_vector(v, turn)),
+            Self::Product { columns, rows, .. } => {
+                scaled_vector(columns[w], dot(rows[w], turned_vector(v, turn)))
+            }
+            Self::Column { columns } => scaled_vector(columns[w], v[0]),
+        }
+    }
+
+    /// The same of light whose state is (a, b, 0, 0).
+    #[inline(always)]
+    fn times_linear(&self, w: usize, [a, b]: [R; 2], (c, s): (R, R)) -> [R; 4] {
+        match self {
+            Self::Unit { .. } => [a, c * b, s * b, R::zero()],
+            Self::Whole { matrices, .. } => {
+                let (m, b1, b2) = (&matrices[w], c * b, s * b);
+                let mut sum = [R::zero(); 4];
+                for (row, to) in sum.iter_mut().enumerate() {
+                    *to = m[0][row] * a + m[1][row] * b1 + m[2][row] * b2;
+                }
+                sum
+            }
+            Self::Product { columns, rows, .. } => {
+                let (row, b1, b2) = (rows[w], c * b, s * b);
+                scaled_vector(columns[w], row[0] * a + row[1] * b1 + row[2] * b2)
+            }
+            Self::Column { columns } => scaled_vector(columns[w], a),
+        }
+    }
+
+    /// As whole matrices.
+    #[inline(always)]
+    fn whole(&self) -> (V3<R>, [Matrices<R>; N]) {
+        let (zero, one) = (R::zero(), R::one());
+        let mut all = [[[zero; 4]; 4]; N];
+        let mut axis = V3::splat(Vec3A::Z);
+        match self {
+            Self::Unit { axis: own } => {
+                axis = *own;
+                for matrix in &mut all {
+                    for (k, column) in matrix.iter_mut().enumerate() {
+                        column[k] = one;
+                    }
+                }
+            }
+            Self::Whole {
+                axis: own,
+                matrices,
+            } => {
+                axis = *own;
+                all = *matrices;
+            }
+            Self::Product {
+                axis: own,
+                columns,
+                rows,
+            } => {
+                axis = *own;
+                for ((matrix, column), row) in all.iter_mut().zip(columns).zip(rows) {
+                    for (to, factor) in matrix.iter_mut().zip(row) {
+                        *to = scaled_vector(*column, *factor);
+                    }
+                }
+            }
+            Self::Column { columns } => {
+                for (matrix, column) in all.iter_mut().zip(columns) {
+                    matrix[0] = *column;
+                }
+            }
+        }
+        (axis, all)
+    }
 }
 
 /// Light of a source, times `weight`, in the frame of `axis`; `k` is its direction.
@@ -386,14 +595,7 @@ impl<const N: usize> Abreast for Polarized<N> {
     }
     #[inline(always)]
     fn beginning<R: Real>(axis: V3<R>) -> Throughputs<R, N> {
-        let mut matrix = [[R::zero(); 4]; 4];
-        for (k, column) in matrix.iter_mut().enumerate() {
-            column[k] = R::one();
-        }
-        Throughputs {
-            axis,
-            matrices: [matrix; N],
-        }
+        Throughputs::Unit { axis }
     }
     #[inline(always)]
     fn extended<R: Real>(
@@ -401,42 +603,104 @@ impl<const N: usize> Abreast for Polarized<N> {
         answer: &Answers<R, N>,
         weight: R,
         k_out: V3<R>,
-        i: V3<R>,
     ) -> Throughputs<R, N> {
-        let none = [[R::zero(); 4]; 4];
-        let m = &throughput.matrices;
+        let (no_matrix, no_vector) = ([[R::zero(); 4]; 4], [R::zero(); 4]);
         match answer {
-            Answers::Depolarizing(m00) => Throughputs {
-                axis: Axes::around(i).s,
-                matrices: each_wavelength!(w, none, {
-                    let mut matrix = none;
-                    matrix[0] = scaled_vector(m[w][0], m00[w] * weight);
-                    matrix
-                }),
+            Answers::Depolarizing(m00) => Throughputs::Column {
+                columns: each_wavelength!(
+                    w,
+                    no_vector,
+                    scaled_vector(throughput.first_column(w), m00[w] * weight)
+                ),
             },
             Answers::Diagonal(axis, elements) => {
-                let turn = double_angles(throughput.axis, *axis, k_out);
-                Throughputs {
-                    axis: *axis,
-                    matrices: each_wavelength!(
-                        w,
-                        none,
-                        times_elements(&turned_columns(&m[w], turn), &elements[w].scaled(weight))
-                    ),
+                let (axis, turn) = (*axis, throughput.turn_to(*axis, k_out));
+                match throughput {
+                    Throughputs::Unit { .. } => Throughputs::Whole {
+                        axis,
+                        matrices: each_wavelength!(
+                            w,
+                            no_matrix,
+                            turned_element(&elements[w].scaled(weight), turn)
+                        ),
+                    },
+                    Throughputs::Whole { matrices, .. } => Throughputs::Whole {
+                        axis,
+                        matrices: each_wavelength!(
+                            w,
+                            no_matrix,
+                            times_elements(
+                                &turned_columns(&matrices[w], turn),
+                                &elements[w].scaled(weight)
+                            )
+                        ),
+                    },
+                    Throughputs::Product { columns, rows, .. } => Throughputs::Product {
+                        axis,
+                        columns: *columns,
+                        rows: each_wavelength!(
+                            w,
+                            no_vector,
+                            row_times_element(
+                                turned_row(rows[w], turn),
+                                &elements[w].scaled(weight)
+                            )
+                        ),
+                    },
+                    Throughputs::Column { columns } => Throughputs::Product {
+                        axis,
+                        columns: *columns,
+                        rows: each_wavelength!(w, no_vector, {
+                            let e = elements[w].scaled(weight);
+                            [e.mean, e.difference, R::zero(), R::zero()]
+                        }),
+                    },
                 }
             }
-            Answers::General(out, inward, matrices) => {
-                let turn = double_angles(throughput.axis, *out, k_out);
-                Throughputs {
-                    axis: *inward,
-                    matrices: each_wavelength!(w, none, {
-                        let turned = turned_columns(&m[w], turn);
-                        let mut product = none;
-                        for (column, to) in product.iter_mut().enumerate() {
-                            *to = times_vector(&turned, scaled_vector(matrices[w][column], weight));
-                        }
-                        product
-                    }),
+            Answers::General(out, inward, answers) => {
+                let (axis, turn) = (*inward, throughput.turn_to(*out, k_out));
+                match throughput {
+                    Throughputs::Unit { .. } => Throughputs::Whole {
+                        axis,
+                        matrices: each_wavelength!(w, no_matrix, {
+                            let mut product = no_matrix;
+                            for (to, column) in product.iter_mut().zip(answers[w]) {
+                                *to = turned_vector(scaled_vector(column, weight), turn);
+                            }
+                            product
+                        }),
+                    },
+                    Throughputs::Whole { matrices, .. } => Throughputs::Whole {
+                        axis,
+                        matrices: each_wavelength!(w, no_matrix, {
+                            let turned = turned_columns(&matrices[w], turn);
+                            let mut product = no_matrix;
+                            for (to, column) in product.iter_mut().zip(answers[w]) {
+                                *to = times_vector(&turned, scaled_vector(column, weight));
+                            }
+                            product
+                        }),
+                    },
+                    Throughputs::Product { columns, rows, .. } => Throughputs::Product {
+                        axis,
+                        columns: *columns,
+                        rows: each_wavelength!(w, no_vector, {
+                            let turned = scaled_vector(turned_row(rows[w], turn), weight);
+                            let mut product = no_vector;
+                            for (to, column) in product.iter_mut().zip(answers[w]) {
+                                *to = dot(turned, column);
+                            }
+                            product
+                        }),
+                    },
+                    Throughputs::Column { columns } => Throughputs::Product {
+                        axis,
+                        columns: *columns,
+                        rows: each_wavelength!(w, no_vector, {
+                            let m = &answers[w];
+                            scaled_vector([m[0][0], m[1][0], m[2][0], m[3][0]], weight)
+                        }),
+                    },
                 }
             }
         }
@@ -447,17 +711,41 @@ impl<const N: usize> Abreast for Polarized<N> {
         a: &Throughputs<R, N>,
         b: &Throughputs<R, N>,
     ) -> Throughputs<R, N> {
-        let mut chosen = *b;
-        chosen.axis = V3::select(mask, a.axis, b.axis);
-        for w in 0..N {
-            for column in 0..4 {
-                for row in 0..4 {
-                    chosen.matrices[w][column][row] =
-                        R::select(mask, a.matrices[w][column][row], b.matrices[w][column][row]);
-                }
-            }
+        let no_vector = [R::zero(); 4];
+        if let (
+            Throughputs::Product {
+                axis,
+                columns,
+                rows,
+            },
+            Throughputs::Product {
+                axis: other_axis,
+                columns: other_columns,
+                rows: other_rows,
+            },
+        ) = (a, b)
+        {
+            return Throughputs::Product {
+                axis: V3::select(mask, *axis, *other_axis),
+                columns: each_wavelength!(
+                    w,
+                    no_vector,
+                    select_four(mask, &columns[w], &other_columns[w])
+                ),
+                rows: each_wavelength!(w, no_vector, select_four(mask, &rows[w], &other_rows[w])),
+            };
         }
-        chosen
+        let ((axis, a), (other_axis, b)) = (a.whole(), b.whole());
+        Throughputs::Whole {
+            axis: V3::select(mask, axis, other_axis),
+            matrices: each_wavelength!(w, [no_vector; 4], {
+                let mut chosen = b[w];
+                for (to, a) in chosen.iter_mut().zip(&a[w]) {
+                    *to = select_four(mask, a, to);
+                }
+                chosen
+            }),
+        }
     }
     #[inline(always)]
     fn seen<R: Real>(
@@ -467,15 +755,18 @@ impl<const N: usize> Abreast for Polarized<N> {
         weight: R,
     ) -> [[R; 4]; N] {
         let none = [R::zero(); 4];
-        let m = &throughput.matrices;
         match &light.state {
-            None => each_wavelength!(w, none, scaled_vector(m[w][0], light.radiance[w] * weight)),
+            None => each_wavelength!(
+                w,
+                none,
+                scaled_vector(throughput.first_column(w), light.radiance[w] * weight)
+            ),
             Some((axis, states)) => {
-                let turn = double_angles(throughput.axis, *axis, k);
+                let turn = throughput.turn_to(*axis, k);
                 each_wavelength!(w, none, {
                     let s0 = light.radiance[w] * weight;
                     let state = [s0, states[0][w] * s0, states[1][w] * s0, states[2][w] * s0];
-                    times_vector(&m[w], turned_vector(state, turn))
+                    throughput.times(w, state, turn)
                 })
             }
         }
@@ -490,26 +781,23 @@ impl<const N: usize> Abreast for Polarized<N> {
         weight: R,
     ) -> [[R; 4]; N] {
         let none = [R::zero(); 4];
-        let m = &throughput.matrices;
         match answer {
             Answers::Depolarizing(m00) => each_wavelength!(
                 w,
                 none,
-                scaled_vector(m[w][0], m00[w] * light.radiance[w] * weight)
+                scaled_vector(
+                    throughput.first_column(w),
+                    m00[w] * light.radiance[w] * weight
+                )
             ),
             Answers::Diagonal(axis, elements) => {
-                let turn = double_angles(throughput.axis, *axis, k_out);
+                let turn = throughput.turn_to(*axis, k_out);
                 if light.state.is_none() {
                     // of the element the first column is enough
                     return each_wavelength!(w, none, {
                         let (e, radiance) = (&elements[w], light.radiance[w] * weight);
-                        let (a, b) = (e.mean * radiance, e.difference * radiance);
-                        let (b1, b2) = (turn.0 * b, turn.1 * b);
-                        let mut sum = none;
-                        for (row, to) in sum.iter_mut().enumerate() {
-                            *to = m[w][0][row] * a + m[w][1][row] * b1 + m[w][2][row] * b2;
-                        }
-                        sum
+                        let after = [e.mean * radiance, e.difference * radiance];
+                        throughput.times_linear(w, after, turn)
                     });
                 }
                 let light = arriving(*axis, light, k_in, weight);
@@ -521,15 +809,21 @@ impl<const N: usize> Abreast for Polarized<N> {
                         e.cosine * v[2] + e.sine * v[3],
                         e.cosine * v[3] - e.sine * v[2],
                     ];
-                    times_vector(&m[w], turned_vector(after, turn))
+                    throughput.times(w, after, turn)
                 })
             }
             Answers::General(out, inward, matrices) => {
-                let turn = double_angles(throughput.axis, *out, k_out);
+                let turn = throughput.turn_to(*out, k_out);
+                if light.state.is_none() {
+                    return each_wavelength!(w, none, {
+                        let column = matrices[w][0];
+                        let after = scaled_vector(column, light.radiance[w] * weight);
+                        throughput.times(w, after, turn)
+                    });
+                }
                 let light = arriving(*inward, light, k_in, weight);
                 each_wavelength!(w, none, {
-                    let after = times_vector(&matrices[w], light[w]);
-                    times_vector(&m[w], turned_vector(after, turn))
+                    throughput.times(w, times_vector(&matrices[w], light[w]), turn)
                 })
             }
         }
@@ -547,22 +841,67 @@ impl<const N: usize> Abreast for Polarized<N> {
         }
     }
     #[inline(always)]
+    fn kind<R: Real>(throughput: &Throughputs<R, N>) -> usize {
+        match throughput {
+            Throughputs::Unit { .. } => UNIT,
+            Throughputs::Whole { .. } => WHOLE,
+            Throughputs::Product { .. } => PRODUCT,
+            Throughputs::Column { .. } => COLUMN,
+        }
+    }
+    #[inline(always)]
     fn taken<R: Real, const ROWS: usize>(
         rows: &Rows<ROWS>,
         row: usize,
         columns: Columns<R>,
+        kind: usize,
     ) -> Throughputs<R, N> {
-        let mut matrices = [[[R::zero(); 4]; 4]; N];
-        for (w, matrix) in matrices.iter_mut().enumerate() {
-            for (k, column) in matrix.iter_mut().enumerate() {
-                for (j, value) in column.iter_mut().enumerate() {
-                    *value = rows.get(row + 3 + 16 * w + 4 * k + j, columns);
-                }
-            }
+        let none = [R::zero(); 4];
+        if kind == COLUMN {
+            return Throughputs::Column {
+                columns: each_wavelength!(w, none, four(rows, row + 4 * w, columns)),
+            };
         }
-        Throughputs {
-            axis: rows.vector(row, columns),
-            matrices,
+        let (axis, row) = (rows.vector(row, columns), row + 3);
+        match kind {
+            UNIT => Throughputs::Unit { axis },
+            PRODUCT => Throughputs::Product {
+                axis,
+                columns: each_wavelength!(w, none, four(rows, row + 8 * w, columns)),
+                rows: each_wavelength!(w, none, four(rows, row + 8 * w + 4, columns)),
+            },
+            _ => Throughputs::Whole {
+                axis,
+                matrices: each_wavelength!(w, [none; 4], {
+                    let mut matrix = [none; 4];
+                    for (k, column) in matrix.iter_mut().enumerate() {
+                        *column = four(rows, row + 16 * w + 4 * k, columns);
+                    }
+                    matrix
+                }),
+            },
+        }
+    }
+    #[inline(always)]
+    fn taken_for_unpolarized<R: Real, const ROWS: usize>(
+        rows: &Rows<ROWS>,
+        row: usize,
+        columns: Columns<R>,
+        kind: usize,
+    ) -> Throughputs<R, N> {
+        let none = [R::zero(); 4];
+        Throughputs::Column {
+            columns: each_wavelength!(w, none, {
+                match kind {
+                    UNIT => [R::one(), R::zero(), R::zero(), R::zero()],
+                    COLUMN => four(rows, row + 4 * w, columns),
+                    PRODUCT => scaled_vector(
+                        four(rows, row + 3 + 8 * w, columns),
+                        rows.get(row + 3 + 8 * w + 4, columns),
+                    ),
+                    _ => four(rows, row + 3 + 16 * w, columns),
+                }
+            }),
         }
     }
     #[inline(always)]
@@ -572,40 +911,77 @@ impl<const N: usize> Abreast for Polarized<N> {
         columns: Packed<R>,
         throughput: &Throughputs<R, N>,
     ) {
-        rows.put_vector(row, columns, throughput.axis);
-        for (w, matrix) in throughput.matrices.iter().enumerate() {
-            for (k, column) in matrix.iter().enumerate() {
-                for (j, value) in column.iter().enumerate() {
-                    rows.put(row + 3 + 16 * w + 4 * k + j, columns, *value);
+        match throughput {
+            Throughputs::Unit { axis } => rows.put_vector(row, columns, *axis),
+            Throughputs::Whole { axis, matrices } => {
+                rows.put_vector(row, columns, *axis);
+                for (k, column) in matrices.as_flattened().iter().enumerate() {
+                    put_four(rows, row + 3 + 4 * k, columns, column);
+                }
+            }
+            Throughputs::Product {
+                axis,
+                columns: own,
+                rows: factors,
+            } => {
+                rows.put_vector(row, columns, *axis);
+                for (w, (column, factor)) in own.iter().zip(factors).enumerate() {
+                    put_four(rows, row + 3 + 8 * w, columns, column);
+                    put_four(rows, row + 3 + 8 * w + 4, columns, factor);
+                }
+            }
+            Throughputs::Column { columns: own } => {
+                for (w, column) in own.iter().enumerate() {
+                    put_four(rows, row + 4 * w, columns, column);
                 }
             }
         }
     }
     #[inline(always)]
     fn strengths<R: Real>(throughput: &Throughputs<R, N>) -> R {
-        let mut most = throughput.matrices[0][0][0];
-        for matrix in &throughput.matrices[1..] {
-            most = most.max(matrix[0][0]);
+        let mut most = throughput.first_column(0)[0];
+        for w in 1..N {
+            most = most.max(throughput.first_column(w)[0]);
         }
         most
     }
     #[inline(always)]
     fn reaches<R: Real>(throughput: &Throughputs<R, N>) -> R {
         let mut most = R::zero();
-        for m in &throughput.matrices {
-            let across = m[1][0] * m[1][0] + m[2][0] * m[2][0] + m[3][0] * m[3][0];
-            most = most.max(m[0][0] + across.sqrt());
+        for w in 0..N {
+            let [s0, a, b, c] = throughput.first_column(w);
+            most = most.max(s0 + (a * a + b * b + c * c).sqrt());
         }
         most
     }
     #[inline(always)]
     fn sights<R: Real>(throughput: &Throughputs<R, N>) -> Sights<R> {
         let mut sums = [R::zero(); 3];
-        for m in &throughput.matrices {
-            for (sum, column) in sums.iter_mut().zip(m) {
-                *sum = *sum + column[0];
+        let own = match throughput {
+            Throughputs::Unit { axis } => return Sights::blind(*axis),
+            // any axis will do
+            Throughputs::Column { .. } => return Sights::blind(V3::splat(Vec3A::X)),
+            Throughputs::Whole { axis, matrices } => {
+                for m in matrices {
+                    for (sum, column) in sums.iter_mut().zip(m) {
+                        *sum = *sum + column[0];
+                    }
+                }
+                *axis
             }
-        }
+            Throughputs::Product {
+                axis,
+                columns,
+                rows,
+            } => {
+                for (column, row) in columns.iter().zip(rows) {
+                    for (sum, factor) in sums.iter_mut().zip(row) {
+                        *sum = *sum + column[0] * *factor;
+                    }
+                }
+                *axis
+            }
+        };
         let [all, a, b] = sums;
         let inverse = all.recip();
         let (a, b) = (a * inverse, b * inverse);
@@ -617,15 +993,32 @@ impl<const N: usize> Abreast for Polarized<N> {
         }
         let known = all.gt(R::zero());
         Sights {
-            axis: throughput.axis,
+            axis: own,
             linear: [(a * shrink).only(known), (b * shrink).only(known)],
         }
     }
     #[inline(always)]
-    fn scale_lanes<R: Real>(throughput: &mut Throughputs<R, N>, weight: R) {
-        for matrix in &mut throughput.matrices {
-            for column in matrix {
-                *column = scaled_vector(*column, weight);
+    fn scaled_lanes<R: Real>(throughput: &Throughputs<R, N>, weight: R) -> Throughputs<R, N> {
+        let none = [R::zero(); 4];
+        match throughput {
+            Throughputs::Column { columns } => Throughputs::Column {
+                columns: each_wavelength!(w, none, scaled_vector(columns[w], weight)),
+            },
+            Throughputs::Product {
+                axis,
+                columns,
+                rows,
+            } => Throughputs::Product {
+                axis: *axis,
+                columns: *columns,
+                rows: each_wavelength!(w, none, scaled_vector(rows[w], weight)),
+            },
+            Throughputs::Unit { .. } | Throughputs::Whole { .. } => {
+                let (axis, mut matrices) = throughput.whole();
+                for column in matrices.as_flattened_mut() {
+                    *column = scaled_vector(*column, weight);
+                }
+                Throughputs::Whole { axis, matrices }
             }
         }
     }
@@ -682,13 +1075,7 @@ impl<const N: usize> Abreast for Intensity<N> {
         [R::one(); N]
     }
     #[inline(always)]
-    fn extended<R: Real>(
-        throughput: &[R; N],
-        answer: &[R; N],
-        weight: R,
-        _: V3<R>,
-        _: V3<R>,
-    ) -> [R; N] {
+    fn extended<R: Real>(throughput: &[R; N], answer: &[R; N], weight: R, _: V3<R>) -> [R; N] {
         each_wavelength!(w, R::zero(), throughput[w] * answer[w] * weight)
     }
     #[inline(always)]
@@ -725,12 +1112,26 @@ impl<const N: usize> Abreast for Intensity<N> {
         }
     }
     #[inline(always)]
+    fn kind<R: Real>(_: &[R; N]) -> usize {
+        UNIT
+    }
+    #[inline(always)]
     fn taken<R: Real, const ROWS: usize>(
         rows: &Rows<ROWS>,
         row: usize,
         columns: Columns<R>,
+        _: usize,
     ) -> [R; N] {
         each_wavelength!(w, R::zero(), rows.get(row + w, columns))
+    }
+    #[inline(always)]
+    fn taken_for_unpolarized<R: Real, const ROWS: usize>(
+        rows: &Rows<ROWS>,
+        row: usize,
+        columns: Columns<R>,
+        kind: usize,
+    ) -> [R; N] {
+        Self::taken(rows, row, columns, kind)
     }
     #[inline(always)]
     fn put<R: Real, const ROWS: usize>(
@@ -760,9 +1161,7 @@ impl<const N: usize> Abreast for Intensity<N> {
         Sights::blind(V3::splat(Vec3A::X))
     }
     #[inline(always)]
-    fn scale_lanes<R: Real>(throughput: &mut [R; N], weight: R) {
-        for value in throughput {
-            *value = *value * weight;
-        }
+    fn scaled_lanes<R: Real>(throughput: &[R; N], weight: R) -> [R; N] {
+        each_wavelength!(w, R::zero(), throughput[w] * weight)
     }
 }

@@ -152,6 +152,12 @@ impl Material {
         }
     }
 
+    /// Whether all that it answers is depolarizing.
+    #[inline(always)]
+    pub fn forgets_polarization(&self) -> bool {
+        matches!(self, Self::Diffuse(_))
+    }
+
     /// Draws directions toward the light, from three uniform numbers each, and evaluates them; lanes outside `lanes` mean
     /// nothing.
     #[inline(always)]

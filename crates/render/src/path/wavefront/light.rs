@@ -71,8 +71,8 @@ pub(super) struct Looked<R: Real, V> {
     shine: Shine<V, R>,
 }
 
-part!(AddSources<'a, 'b; R, L: Abreast>(link: &'a mut Link<'b, L::Stokes>, columns: Columns<R>, rays: &'a Rays<R>,
-    met: &'a Encounters<R>, numbers: &'a [u32; MOST], sources: u32) -> (): Link::<L::Stokes>::add_sources::<R, L>);
+part!(AddSources<'a, 'b; R, L: Abreast>(link: &'a mut Link<'b, L::Stokes>, place: (usize, Columns<R>),
+    rays: &'a Rays<R>, met: &'a Encounters<R>, numbers: &'a [u32; MOST], sources: u32) -> (): Link::<L::Stokes>::add_sources::<R, L>);
 part!(PassOn<'a, 'b; R, L: Abreast>(link: &'a mut Link<'b, L::Stokes>, from: &'a Surfaces<R>,
     connections: &'a Connections<R>, wavelengths: &'a L::Values<R>, through: &'a mut L::Throughputs<R>, room: u32,
     lanes: R::M) -> R::M: Link::<L::Stokes>::pass_on::<R, L>);
@@ -105,7 +105,7 @@ impl<S> Link<'_, S> {
         let weight = share * found.weight / looked.density;
         let (o, k) = (-paths.rays.direction, -found.direction);
         if scene.traits().straight {
-            let mut through = L::extended(&paths.throughput, &answers, weight, o, found.direction);
+            let mut through = L::extended(&paths.throughput, &answers, weight, o);
             let room = self.options.max_depth - self.depth - 1;
             let free = R::apart(PassOn::<R, L> {
                 link: &mut *self,
@@ -130,11 +130,11 @@ impl<S> Link<'_, S> {
         }
     }
 
-    /// Collects the light of emitters that paths have met.
+    /// Collects the light of emitters that paths have met; `place` is the kind of the paths and where they are.
     #[inline(always)]
     pub(super) fn collect<R: Real, L: Abreast<Stokes = S>>(
         &mut self,
-        columns: Columns<R>,
+        place: (usize, Columns<R>),
         rays: &Rays<R>,
         met: &Encounters<R>,
         lanes: R::M,
@@ -155,7 +155,7 @@ impl<S> Link<'_, S> {
         if sources != 0 && show {
             R::apart(AddSources::<R, L> {
                 link: &mut *self,
-                columns,
+                place,
                 rays,
                 met,
                 numbers: &numbers,
@@ -168,7 +168,7 @@ impl<S> Link<'_, S> {
     #[inline(always)]
     fn add_sources<R: Real, L: Abreast<Stokes = S>>(
         &mut self,
-        columns: Columns<R>,
+        (kind, columns): (usize, Columns<R>),
         rays: &Rays<R>,
         met: &Encounters<R>,
         numbers: &[u32; MOST],
@@ -176,10 +176,14 @@ impl<S> Link<'_, S> {
     ) {
         let scene = self.scene;
         let k = -rays.direction;
-        let rows = &self.front.paths;
+        let rows = &self.front.banks[kind].paths;
         let sample = rows.get(SAMPLE, columns).bits();
         let wavelengths = wavelengths::<R, L>(&self.front.samples, Columns::Each(sample));
-        let throughput = L::taken(rows, THROUGHPUT, columns);
+        let throughput = if self.front.polarized {
+            L::taken(rows, THROUGHPUT, columns, kind)
+        } else {
+            L::taken_for_unpolarized(rows, THROUGHPUT, columns, kind)
+        };
         let mut all_weighed = R::nowhere();
         if self.front.weighs {
             all_weighed = rows.get(WEIGHED, columns).gt(R::zero());
@@ -255,7 +259,7 @@ impl<S> Link<'_, S> {
                     let at = if turned { front.turned() } else { front };
                     let answers = side(material, back).pass::<R, L>(&at, wavelengths, lanes);
                     let answers = L::to_world(&answers, &at.axes);
-                    let longer = L::extended(through, &answers, R::one(), -direction, direction);
+                    let longer = L::extended(through, &answers, R::one(), -direction);
                     *through = L::select(lanes, &longer, through);
                 }
             }

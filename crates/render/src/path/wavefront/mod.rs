@@ -16,7 +16,7 @@ use glam::Vec3A;
 use super::{CHOICES, Counters, DIRECTION, FIRST_VERTEX, PER_VERTEX, POINT, PathOptions, ROULETTE};
 use crate::geometry::bvh::Stack;
 use crate::lanes::{Axes, Bits, Columns, Mask, Packed, Real, Rows, V3, each, part};
-use crate::light::abreast::{Abreast, Sights};
+use crate::light::abreast::{Abreast, KINDS, Sights};
 use crate::material::Material;
 use crate::material::abreast::Vertices;
 use crate::sampler::Stream;
@@ -25,27 +25,65 @@ use crate::scene::abreast::{Encounters, NONE};
 use crate::shape::abreast::{Rays, Surfaces, offset_origins};
 use light::{Looked, look};
 use waiting::{
-    PATH_ROWS, Paths, SAMPLE_ROWS, STREAM, SURFACE_ROWS, WAVELENGTHS, rays, wavelengths,
+    PATH_ROWS, Paths, SAMPLE_ROWS, STREAM, SURFACE_ROWS, THROUGHPUT, WAVELENGTHS, rays, wavelengths,
 };
 
 /// Paths on their way, and room for them.
 pub struct Wavefront {
-    count: usize,
     samples: Rows<SAMPLE_ROWS>,
+    /// How many camera samples have begun.
+    begun: usize,
     stratified: bool,
-    paths: Rows<PATH_ROWS>,
-    longer: Rows<PATH_ROWS>,
-    met: Rows<SURFACE_ROWS>,
+    /// Paths by the kind of their throughput.
+    banks: [Bank; KINDS],
     waiting: Waiting,
     /// Whether some light can be met that vertices have also looked for.
     weighs: bool,
+    /// Whether some light is polarized where it is met.
+    polarized: bool,
 }
 
-/// Paths that wait for their matter, by its side.
+/// Paths whose throughputs are of one kind.
+#[derive(Default)]
+struct Bank {
+    count: usize,
+    paths: Rows<PATH_ROWS>,
+    /// What they have met.
+    met: Rows<SURFACE_ROWS>,
+    /// Those that have been sent on.
+    longer: Rows<PATH_ROWS>,
+    sent: usize,
+}
+
+/// Paths that wait for their matter, by its side and the kind of their throughput.
 struct Waiting {
     lists: Vec<Vec<u32>>,
     /// Lists with anyone in them.
     begun: Vec<usize>,
+}
+
+/// Paths of one kind that have met one side of some matter.
+#[derive(Clone, Copy, Debug)]
+struct List {
+    material: u32,
+    back: bool,
+    kind: usize,
+}
+
+impl List {
+    #[inline(always)]
+    fn number(self) -> usize {
+        (2 * self.material as usize + usize::from(self.back)) * KINDS + self.kind
+    }
+
+    #[inline(always)]
+    fn of_number(number: usize) -> Self {
+        Self {
+            material: (number / (2 * KINDS)) as u32,
+            back: number / KINDS % 2 == 1,
+            kind: number % KINDS,
+        }
+    }
 }
 
 impl Waiting {
@@ -56,7 +94,8 @@ impl Waiting {
     }
 
     #[inline(always)]
-    fn push(&mut self, list: usize, path: u32) {
+    fn push(&mut self, list: List, path: u32) {
+        let list = list.number();
         let paths = &mut self.lists[list];
         if paths.is_empty() {
             self.begun.push(list);
@@ -82,14 +121,16 @@ impl Wavefront {
         let scatters = |material: u32| !scene.traits_of(material).discrete;
         Self {
             weighs: !scene.emitters_are_unmet() && scene.used_materials().into_iter().any(scatters),
-            count: 0,
+            polarized: scene
+                .emitters
+                .iter()
+                .any(|e| e.polarizes() != (false, false)),
             samples: Rows::default(),
+            begun: 0,
             stratified: false,
-            paths: Rows::default(),
-            longer: Rows::default(),
-            met: Rows::default(),
+            banks: Default::default(),
             waiting: Waiting {
-                lists: vec![vec![]; 2 * scene.materials.len()],
+                lists: vec![vec![]; 2 * KINDS * scene.materials.len()],
                 begun: vec![],
             },
         }
@@ -97,7 +138,10 @@ impl Wavefront {
 
     /// Forgets all paths.
     pub fn clear(&mut self) {
-        self.count = 0;
+        self.begun = 0;
+        for bank in &mut self.banks {
+            bank.count = 0;
+        }
     }
 
     /// Begins a path in each of the first `count` lanes: the next camera samples.
@@ -109,15 +153,17 @@ impl Wavefront {
         stream: &Stream<R>,
         count: usize,
     ) {
-        let columns = Packed::<R>::new(self.count, R::everywhere());
+        let columns = Packed::<R>::new(self.begun, R::everywhere());
         self.stratified = stream.stratified;
         stream.put(&mut self.samples, STREAM, columns);
         for (w, value) in wavelengths.as_ref().iter().enumerate() {
             self.samples.put(WAVELENGTHS + w, columns, *value);
         }
-        let first = self.count as u32;
+        let first = self.begun as u32;
         let sample = R::B::from_fn(|lane| first + lane as u32);
         let unknown = V3::splat(Vec3A::Z);
+        let throughput = L::beginning(start.axis);
+        let bank = &mut self.banks[L::kind(&throughput)];
         Paths::<R, L> {
             sample,
             rays: Rays {
@@ -131,10 +177,16 @@ impl Wavefront {
             lit: unknown,
             density: R::one(),
             departure: unknown,
-            throughput: L::beginning(start.axis),
+            throughput,
         }
-        .put(&mut self.paths, columns, self.weighs);
-        self.count += count;
+        .put(&mut bank.paths, columns, self.weighs);
+        self.begun += count;
+        bank.count = self.begun;
+    }
+
+    /// How many paths are on their way.
+    fn count(&self) -> usize {
+        self.banks.iter().map(|bank| bank.count).sum()
     }
 
     /// Follows all paths to their ends; what they collect is added to the sums of their samples.
@@ -147,9 +199,9 @@ impl Wavefront {
         counters: &mut Counters,
         sums: &mut [L::Stokes],
     ) {
-        counters.paths += self.count as u64;
+        counters.paths += self.begun as u64;
         let mut depth = 1;
-        while self.count > 0 && depth <= options.max_depth {
+        while self.count() > 0 && depth <= options.max_depth {
             let mut link = Link {
                 scene,
                 options,
@@ -163,7 +215,7 @@ impl Wavefront {
             link.leave::<R, L>();
             depth += 1;
         }
-        self.count = 0;
+        self.clear();
     }
 }
 
@@ -206,8 +258,8 @@ struct Link<'a, S> {
     sums: &'a mut [S],
 }
 
-part!(Leave<'a, 'b; R, L: Abreast>(link: &'a mut Link<'b, L::Stokes>, list: usize, columns: Columns<R>, lanes: R::M,
-    longer: usize) -> usize: Link::<L::Stokes>::leave_one::<R, L>);
+part!(Leave<'a, 'b; R, L: Abreast>(link: &'a mut Link<'b, L::Stokes>, list: List, columns: Columns<R>, lanes: R::M) -> ():
+    Link::<L::Stokes>::leave_one::<R, L>);
 part!(Look<'a; R, L: Abreast>(scene: &'a Scene, at: &'a Surfaces<R>, lit: &'a Axes<R>, choice: R, u: [R; 2],
     wavelengths: &'a L::Values<R>, lanes: R::M) -> Option<Looked<R, L::Values<R>>>: look::<R, L>);
 
@@ -215,76 +267,94 @@ impl<S> Link<'_, S> {
     /// Finds what paths meet; collects the light of sources, and sorts paths by the matter that they have met.
     #[inline(always)]
     fn meet<R: Real, L: Abreast<Stokes = S>>(&mut self) {
-        let (scene, depth) = (self.scene, self.depth);
         self.front.waiting.clear();
-        for first in (0..self.front.count).step_by(R::LANES) {
-            let lanes = R::first(self.front.count - first);
-            let columns = Columns::From(first);
-            let mut rays = rays::<R>(&self.front.paths, columns);
-            self.counters.rays += count(lanes.bits());
-            let mut met = scene.meet(&rays, lanes, self.stack);
-            let show = !self.options.hide_emitters || depth > 1;
-            if !show {
-                self.look_beyond(&mut rays, &mut met, lanes);
+        for kind in 0..KINDS {
+            for first in (0..self.front.banks[kind].count).step_by(R::LANES) {
+                self.meet_some::<R, L>(kind, first);
             }
-            self.collect::<R, L>(columns, &rays, &met, lanes, show);
-            let alive = lanes & met.exist;
-            if depth >= self.options.max_depth || !alive.any() {
-                continue;
-            }
-            met.surfaces
-                .put(&mut self.front.met, Packed::new(first, R::everywhere()));
-            let behind = rays.direction.dot(met.surfaces.axes.n).gt(R::zero()).bits();
-            each(alive.bits(), |lane| {
-                let material = met.materials[lane];
-                if !scene.traits_of(material).black {
-                    let back = (behind >> lane & 1) as usize;
-                    let list = 2 * material as usize + back;
-                    self.front.waiting.push(list, (first + lane) as u32);
-                }
-            });
         }
+    }
+
+    /// The same for paths of one kind, from column `first` on.
+    #[inline(always)]
+    fn meet_some<R: Real, L: Abreast<Stokes = S>>(&mut self, kind: usize, first: usize) {
+        let (scene, depth) = (self.scene, self.depth);
+        let bank = &self.front.banks[kind];
+        let lanes = R::first(bank.count - first);
+        let columns = Columns::From(first);
+        let mut rays = rays::<R>(&bank.paths, columns);
+        self.counters.rays += count(lanes.bits());
+        let mut met = scene.meet(&rays, lanes, self.stack);
+        let show = !self.options.hide_emitters || depth > 1;
+        if !show {
+            self.look_beyond(&mut rays, &mut met, lanes);
+        }
+        self.collect::<R, L>((kind, columns), &rays, &met, lanes, show);
+        let alive = lanes & met.exist;
+        if depth >= self.options.max_depth || !alive.any() {
+            return;
+        }
+        let rows = &mut self.front.banks[kind].met;
+        met.surfaces.put(rows, Packed::new(first, R::everywhere()));
+        let behind = rays.direction.dot(met.surfaces.axes.n).gt(R::zero()).bits();
+        each(alive.bits(), |lane| {
+            let material = met.materials[lane];
+            if !scene.traits_of(material).black {
+                let list = List {
+                    material,
+                    back: behind >> lane & 1 == 1,
+                    kind,
+                };
+                self.front.waiting.push(list, (first + lane) as u32);
+            }
+        });
     }
 
     /// Sends paths on, one kind of matter after the other.
     #[inline(always)]
     fn leave<R: Real, L: Abreast<Stokes = S>>(&mut self) {
-        let mut longer = 0;
         for list in 0..self.front.waiting.begun.len() {
             let list = self.front.waiting.begun[list];
             let paths = std::mem::take(&mut self.front.waiting.lists[list]);
             for some in paths.chunks(R::LANES) {
-                let lanes = R::first(some.len());
-                let columns = Columns::listed(some);
-                longer += R::apart(Leave::<R, L> {
+                R::apart(Leave::<R, L> {
                     link: &mut *self,
-                    list,
-                    columns,
-                    lanes,
-                    longer,
+                    list: List::of_number(list),
+                    columns: Columns::listed(some),
+                    lanes: R::first(some.len()),
                 });
             }
             self.front.waiting.lists[list] = paths;
         }
-        std::mem::swap(&mut self.front.paths, &mut self.front.longer);
-        self.front.count = longer;
+        for bank in &mut self.front.banks {
+            std::mem::swap(&mut bank.paths, &mut bank.longer);
+            bank.count = std::mem::take(&mut bank.sent);
+        }
     }
 
-    /// Sends on paths that have met the same matter on the same side; those that go on are put from column `first` on.
-    /// Returns how many do.
+    /// Sends on some paths of a list.
     #[inline(always)]
     fn leave_one<R: Real, L: Abreast<Stokes = S>>(
         &mut self,
-        list: usize,
+        list: List,
         columns: Columns<R>,
         lanes: R::M,
-        first: usize,
-    ) -> usize {
+    ) {
         let (scene, depth) = (self.scene, self.depth);
         let last = self.options.max_depth;
         let weighs = self.front.weighs;
-        let mut paths = Paths::<R, L>::taken(&self.front.paths, columns, weighs);
-        let surfaces = Surfaces::taken(&self.front.met, columns);
+        let (number, back) = (list.material as usize, list.back);
+        let traits = scene.traits_of(list.material);
+        let material = side(&scene.materials[number], back);
+        let bank = &self.front.banks[list.kind];
+        let rows = &bank.paths;
+        let throughput = if material.forgets_polarization() {
+            L::taken_for_unpolarized(rows, THROUGHPUT, columns, list.kind)
+        } else {
+            L::taken(rows, THROUGHPUT, columns, list.kind)
+        };
+        let mut paths = Paths::<R, L>::taken(rows, columns, throughput, weighs);
+        let surfaces = Surfaces::taken(&bank.met, columns);
         let of_samples = Columns::Each(paths.sample);
         let stratified = self.front.stratified;
         let wavelengths = wavelengths::<R, L>(&self.front.samples, of_samples);
@@ -292,9 +362,6 @@ impl<S> Link<'_, S> {
         let mut alive = lanes;
         let long = depth > self.options.rr_depth;
 
-        let (number, back) = (list / 2, list % 2 == 1);
-        let traits = scene.traits_of(number as u32);
-        let material = side(&scene.materials[number], back);
         let mut stream = Stream::nothing(stratified);
         if long || !traits.discrete || material.numbers() > 0 {
             stream = Stream::taken(&self.front.samples, STREAM, of_samples, stratified);
@@ -306,9 +373,9 @@ impl<S> Link<'_, S> {
             let reach = L::reaches(&paths.throughput);
             let survival = (reach * paths.eta * paths.eta).min(R::splat(0.95));
             alive = alive & roulette.lt(survival);
-            L::scale_lanes(&mut paths.throughput, survival.recip());
+            paths.throughput = L::scaled_lanes(&paths.throughput, survival.recip());
             if !alive.any() {
-                return 0;
+                return;
             }
         }
 
@@ -352,7 +419,7 @@ impl<S> Link<'_, S> {
         }
         // a longer path would meet nothing that shines
         if scene.emitters_are_unmet() && depth.saturating_add(1) >= last {
-            return 0;
+            return;
         }
 
         let mut numbers = [drawn; 3];
@@ -364,12 +431,13 @@ impl<S> Link<'_, S> {
         let answers = L::to_world(&way.answers, &at.axes);
         let direction = at.axes.to_world(way.direction);
         let weight = way.density.recip();
-        let throughput = L::extended(&paths.throughput, &answers, weight, o_world, direction);
+        let throughput = L::extended(&paths.throughput, &answers, weight, o_world);
         let on = alive & way.exist & L::strengths(&throughput).gt(R::zero());
         let kept = on.bits();
         if kept == 0 {
-            return 0;
+            return;
         }
+        let bank = &mut self.front.banks[L::kind(&throughput)];
         Paths::<R, L> {
             sample: paths.sample,
             rays: Rays {
@@ -390,8 +458,8 @@ impl<S> Link<'_, S> {
             departure: V3::select(way.continuous, direction, paths.departure),
             throughput,
         }
-        .put(&mut self.front.longer, Packed::new(first, on), weighs);
-        kept.count_ones() as usize
+        .put(&mut bank.longer, Packed::new(bank.sent, on), weighs);
+        bank.sent += kept.count_ones() as usize;
     }
 
     /// The first surfaces that do not shine.

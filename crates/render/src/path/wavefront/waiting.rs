@@ -69,8 +69,14 @@ impl<R: Real, L: Abreast> Paths<R, L> {
         L::put(rows, THROUGHPUT, columns, &self.throughput);
     }
 
+    /// Takes them up, with a throughput that was taken before.
     #[inline(always)]
-    pub(super) fn taken(rows: &Rows<PATH_ROWS>, columns: Columns<R>, weighs: bool) -> Self {
+    pub(super) fn taken(
+        rows: &Rows<PATH_ROWS>,
+        columns: Columns<R>,
+        throughput: L::Throughputs<R>,
+        weighs: bool,
+    ) -> Self {
         let unknown = V3::splat(Vec3A::Z);
         let mut paths = Self {
             sample: rows.get(SAMPLE, columns).bits(),
@@ -81,7 +87,7 @@ impl<R: Real, L: Abreast> Paths<R, L> {
             lit: unknown,
             density: R::one(),
             departure: unknown,
-            throughput: L::taken(rows, THROUGHPUT, columns),
+            throughput,
         };
         if weighs {
             paths.weighed = rows.get(WEIGHED, columns).gt(R::zero());
