@@ -296,7 +296,7 @@ fn polarized_along<R: Real>(axis: V3<R>, (own, e): (V3<R>, Elements<R>), k: V3<R
     [e.mean, c * e.difference, s * e.difference]
 }
 
-/// The whole matrix of an element, and besides `weight` times the product of a column and a row.
+/// The whole matrix of an element, plus `weight` times the product of a column and a row.
 #[inline(always)]
 fn element_beside<R: Real>(e: &Elements<R>, column: [R; 3], weight: R, row: [R; 3]) -> Matrices<R> {
     let o = R::zero();
