@@ -1,13 +1,12 @@
 //! Exponential, logarithm and circular functions, the same bits in one lane and in eight.
 //!
-//! Source of the approximations: Moshier, Cephes Mathematical Library, single precision; of the arc cosine: Abramowitz
-//! and Stegun, Handbook of Mathematical Functions, 4.4.46.
+//! Source of the approximations: Moshier, Cephes Mathematical Library, single precision.
 
 use super::{Bits, Real};
 
 /// A polynomial, highest power first.
 #[inline(always)]
-fn polynomial<R: Real>(x: R, coefficients: &[f32]) -> R {
+pub fn polynomial<R: Real>(x: R, coefficients: &[f32]) -> R {
     let mut sum = R::zero();
     for (k, c) in coefficients.iter().enumerate() {
         sum = if k == 0 {
@@ -94,13 +93,6 @@ pub fn sin_cos_turns<R: Real>(u: R) -> (R, R) {
         R::of_bits(sin.bits() ^ sign_of_sin),
         R::of_bits(cos.bits() ^ sign_of_cos),
     )
-}
-
-/// The arc cosine of numbers in [0, 1], absolute error below 7e-5: for first guesses.
-#[inline(always)]
-pub fn acos<R: Real>(x: R) -> R {
-    (R::one() - x).max(R::zero()).sqrt()
-        * polynomial(x, &[-0.018_729_3, 0.074_261, -0.212_114_4, 1.570_728_8])
 }
 
 /// The angle of (x, y), absolute error below 3e-7; 0 for (0, 0).

@@ -20,7 +20,7 @@ mod vector;
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
-pub use functions::{acos, atan2, exp, ln, sin_cos_turns};
+pub use functions::{atan2, exp, ln, polynomial, sin_cos_turns};
 pub use rows::{COLUMNS, Columns, Packed, Rows};
 pub use vector::{Axes, V3};
 

@@ -31,10 +31,6 @@ fn circular_functions_are_accurate() {
         let (expected_sin, expected_cos) = (std::f64::consts::TAU * f64::from(u)).sin_cos();
         assert!((f64::from(sin) - expected_sin).abs() < 2e-7, "sin {u}");
         assert!((f64::from(cos) - expected_cos).abs() < 2e-7, "cos {u}");
-        assert!(
-            (f64::from(acos(u)) - f64::from(u).acos()).abs() < 7e-5,
-            "acos {u}"
-        );
         for size in [1e-20f32, 1.0, 1e15] {
             let (y, x) = (expected_sin as f32 * size, expected_cos as f32 * size);
             let expected = f64::from(y).atan2(f64::from(x));
@@ -82,7 +78,6 @@ impl Task for Everything<'_> {
                     ln(b.abs()),
                     sin,
                     cos,
-                    acos(unit),
                     atan2(a, b),
                     d.narrow(),
                     (-d).max(d).sqrt().narrow(),
@@ -112,12 +107,12 @@ fn any_number_of_lanes_gives_the_same_bits() {
         .collect();
     let all = run_with_each(Everything(&numbers));
     let one = &all[0];
-    assert_eq!(one.len(), 26 * 8_000);
+    assert_eq!(one.len(), 25 * 8_000);
     for most in &all[1..] {
         for (k, (one, most)) in one.iter().zip(most).enumerate() {
             let numbers = [one, most].map(|bits| f32::from_bits(*bits));
             let same = one == most || numbers.iter().all(|x| x.is_nan());
-            assert!(same, "operation {} of {}: {one:x} {most:x}", k % 26, k / 26);
+            assert!(same, "operation {} of {}: {one:x} {most:x}", k % 25, k / 25);
         }
     }
 }

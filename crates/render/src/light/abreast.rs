@@ -186,6 +186,16 @@ pub trait Abreast: Light {
         matrix: &Mat4,
         factors: &Self::Values<R>,
     ) -> Self::Answers<R>;
+    /// Reflection by a surface, diagonal in the frame of an axis across `o` and `i`, and beside it a depolarizer between two
+    /// passages with their axes: see [`Light::depolarizer_between`] and [`Light::sum`]. `o` is the direction toward the
+    /// sensor, `i` that toward the light.
+    fn coated_lanes<R: Real>(
+        surface: (V3<R>, &Self::Diagonals<R>),
+        last: (V3<R>, Elements<R>),
+        weights: &Self::Values<R>,
+        first: (V3<R>, Elements<R>),
+        ways: [V3<R>; 2],
+    ) -> Self::Answers<R>;
     /// The answers of lanes that were asked one by one; `o` is the direction toward the sensor, `i` that toward the light.
     fn gathered<R: Real>(
         lanes: u32,
@@ -485,6 +495,32 @@ impl<R: Real, const N: usize> Throughputs<R, N> {
         }
         (axis, all)
     }
+
+/// Column of an element, S0 to S2 of the light that it makes of unpolarized light, in the frame of `axis`; its own axis is
+/// `own`. Its row in that frame is the same.
+#[inline(always)]
+fn polarized_along<R: Real>(axis: V3<R>, (own, e): (V3<R>, Elements<R>), k: V3<R>) -> [R; 3] {
+    let (c, s) = double_angles(axis, own, k);
+    [e.mean, c * e.difference, s * e.difference]
+}
+
+/// The whole matrix of an element, plus `weight` times the product of a column and a row.
+#[inline(always)]
+fn element_beside<R: Real>(e: &Elements<R>, column: [R; 3], weight: R, row: [R; 3]) -> Matrices<R> {
+    let o = R::zero();
+    let mut sum = [
+        [e.mean, e.difference, o, o],
+        [e.difference, e.mean, o, o],
+        [o, o, e.cosine, -e.sine],
+        [o, o, e.sine, e.cosine],
+    ];
+    for (to, a) in sum.iter_mut().zip(&row) {
+        let a = *a * weight;
+        for (to, b) in to.iter_mut().zip(&column) {
+            *to = *to + *b * a;
+        }
+    }
+    sum
 }
 
 /// Light of a source, times `weight`, in the frame of `axis`; `k` is its direction.
@@ -550,6 +586,24 @@ impl<const N: usize> Abreast for Polarized<N> {
             }
             m
         });
+        Answers::General(axis, axis, matrices)
+    }
+    #[inline(always)]
+    fn coated_lanes<R: Real>(
+        (axis, surface): (V3<R>, &[Elements<R>; N]),
+        last: (V3<R>, Elements<R>),
+        weights: &[R; N],
+        first: (V3<R>, Elements<R>),
+        [o, i]: [V3<R>; 2],
+    ) -> Answers<R, N> {
+        let column = polarized_along(axis, last, o);
+        let row = polarized_along(axis, first, -i);
+        let none = [[R::zero(); 4]; 4];
+        let matrices = each_wavelength!(
+            w,
+            none,
+            element_beside(&surface[w], column, weights[w], row)
+        );
         Answers::General(axis, axis, matrices)
     }
     #[inline(always)]
@@ -1050,6 +1104,17 @@ impl<const N: usize> Abreast for Intensity<N> {
     #[inline(always)]
     fn general_lanes<R: Real>(_: V3<R>, matrix: &Mat4, factors: &[R; N]) -> [R; N] {
         each_wavelength!(i, R::zero(), R::splat(matrix.x_axis.x) * factors[i])
+    }
+    #[inline(always)]
+    fn coated_lanes<R: Real>(
+        (_, surface): (V3<R>, &[Elements<R>; N]),
+        (_, last): (V3<R>, Elements<R>),
+        weights: &[R; N],
+        (_, first): (V3<R>, Elements<R>),
+        _: [V3<R>; 2],
+    ) -> [R; N] {
+        let both = last.mean * first.mean;
+        each_wavelength!(w, R::zero(), surface[w].mean + both * weights[w])
     }
     #[inline(always)]
     fn gathered<R: Real>(

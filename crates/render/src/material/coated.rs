@@ -24,12 +24,12 @@ use crate::spectrum::{Spectrum, SpectrumUse};
 /// A diffuse base that sends light back to a surface which keeps some of it inside.
 #[derive(Clone, Debug)]
 pub(super) struct Base {
-    reflectance: Spectrum,
+    pub(super) reflectance: Spectrum,
     /// Diffuse reflectance of the surface from inside.
-    inner: f32,
-    nonlinear: bool,
+    pub(super) inner: f32,
+    pub(super) nonlinear: bool,
     /// 1/(π η²)
-    scale: f32,
+    pub(super) scale: f32,
 }
 
 impl Base {
@@ -83,10 +83,10 @@ pub(super) enum Passages {
 /// A dielectric surface over a diffuse base.
 #[derive(Clone, Debug)]
 pub(super) struct Coat {
-    surface: DielectricInterface,
-    passages: Passages,
-    base: Base,
-    reflectance: Spectrum,
+    pub(super) surface: DielectricInterface,
+    pub(super) passages: Passages,
+    pub(super) base: Base,
+    pub(super) reflectance: Spectrum,
 }
 
 impl Coat {

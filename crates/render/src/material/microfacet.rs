@@ -12,7 +12,7 @@ use std::f32::consts::{PI, TAU};
 use glam::Vec3A;
 
 use crate::scene::{Object, SceneError};
-use gaussian::{inverse_erf, seen_area, visible_slope};
+pub(super) use gaussian::{inverse_erf, seen_area, visible_slope};
 
 /// The statistics of facet slopes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,15 +26,15 @@ pub enum Kind {
 /// A distribution of facet normals.
 #[derive(Clone, Copy, Debug)]
 pub struct Microfacets {
-    kind: Kind,
-    alpha_u: f32,
-    alpha_v: f32,
+    pub(super) kind: Kind,
+    pub(super) alpha_u: f32,
+    pub(super) alpha_v: f32,
     /// 1/α along U and V.
-    inverse: [f32; 2],
+    pub(super) inverse: [f32; 2],
     /// D(m) along the normal, 1/(π α_u α_v).
-    peak: f32,
+    pub(super) peak: f32,
     /// Draw only normals that the viewer sees.
-    visible: bool,
+    pub(super) visible: bool,
 }
 
 impl Microfacets {
@@ -88,12 +88,6 @@ impl Microfacets {
             visible: object.boolean("sample_visible", true)?,
             ..Self::new(kind, alpha_u, alpha_v)
         })
-    }
-
-    /// Kind, widths along U and V, and whether only normals are drawn that the viewer sees.
-    #[inline(always)]
-    pub(super) fn parameters(&self) -> (Kind, [f32; 2], bool) {
-        (self.kind, [self.alpha_u, self.alpha_v], self.visible)
     }
 
     /// Whether it is the same along U and V.

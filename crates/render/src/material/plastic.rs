@@ -56,6 +56,12 @@ fn diffuse_reflectance(eta: f64) -> f64 {
 }
 
 impl Plastic {
+    /// Its surface and its base.
+    #[inline(always)]
+    pub(super) fn coat(&self) -> &Coat {
+        &self.0
+    }
+
     /// Reads its parameters.
     pub fn read(object: &Object) -> Result<Self, SceneError> {
         let inside = read_index(object, "int_ior", "polypropylene")?;

@@ -45,11 +45,17 @@ const FACETS: usize = 48;
 
 /// What passes a rough surface, over the cosine outside.
 #[derive(Clone, Debug)]
-pub(super) struct RoughPassages([Element; COSINES]);
+pub(super) struct RoughPassages {
+    /// See [`Element::mean`].
+    pub(super) mean: [f32; COSINES],
+    /// See [`Element::difference`].
+    pub(super) difference: [f32; COSINES],
+}
 
 impl RoughPassages {
     fn new(surface: &DielectricInterface, facets: &Microfacets) -> Self {
-        Self(std::array::from_fn(|place| {
+        let [mut mean, mut difference] = [[0.0; COSINES]; 2];
+        for place in 0..COSINES {
             let o = direction(place);
             let mut sum = Element::BLACK;
             let eta = (surface.n_transmitted() / surface.n_incident()) as f32;
@@ -65,18 +71,25 @@ impl RoughPassages {
                 sum.mean += weight * element.mean;
                 sum.difference += weight * element.difference * (2.0 * turn * turn - 1.0);
             });
-            sum.scaled(((FACETS * FACETS) as f32).recip())
-        }))
+            let share = ((FACETS * FACETS) as f32).recip();
+            mean[place] = sum.mean * share;
+            difference[place] = sum.difference * share;
+        }
+        Self { mean, difference }
     }
 
     #[inline]
     pub(super) fn at(&self, cos: f32) -> Element {
         let x = cos.clamp(0.0, 1.0) * (COSINES - 1) as f32;
         let place = (x as usize).min(COSINES - 2);
-        let (a, b, t) = (self.0[place], self.0[place + 1], x - place as f32);
+        let t = x - place as f32;
+        let between = |values: &[f32; COSINES]| {
+            let (a, b) = (values[place], values[place + 1]);
+            a + t * (b - a)
+        };
         Element {
-            mean: a.mean + t * (b.mean - a.mean),
-            difference: a.difference + t * (b.difference - a.difference),
+            mean: between(&self.mean),
+            difference: between(&self.difference),
             ..Element::BLACK
         }
     }

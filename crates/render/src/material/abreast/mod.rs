@@ -3,6 +3,8 @@
 //! The kinds that scenes are mostly made of answer all lanes at once; the others are asked lane by lane, as
 //! [`Matter`] answers one path.
 
+mod coated;
+mod facets;
 mod fresnel;
 mod plates;
 mod rough;
@@ -189,7 +191,9 @@ impl Material {
             Self::Diffuse(m) => m.depart::<R, L>(at, wavelengths, u),
             Self::Conductor(m) => m.depart::<R, L>(at, wavelengths),
             Self::Dielectric(m) => m.depart::<R, L>(at, wavelengths, u),
-            Self::RoughConductor(m) => m.depart::<R, L>(at, wavelengths, u, lanes),
+            Self::RoughConductor(m) => m.depart::<R, L>(at, wavelengths, u),
+            Self::RoughlyCoated(m) => m.depart::<R, L>(at, wavelengths, u, lanes),
+            Self::Plastic(m) => m.depart::<R, L>(at, wavelengths, u),
             Self::Polarizer(_) | Self::Retarder(_) | Self::Circular(_) | Self::Null(_) => {
                 Departures {
                     exist: lanes,
@@ -234,6 +238,8 @@ impl Material {
         match self {
             Self::Diffuse(m) => m.answer::<R, L>(at, i, wavelengths),
             Self::RoughConductor(m) => m.answer::<R, L>(at, i, wavelengths),
+            Self::RoughlyCoated(m) => m.answer::<R, L>(at, i, wavelengths),
+            Self::Plastic(m) => m.answer::<R, L>(at, i, wavelengths),
             _ => self.answer_one_by_one::<R, L>(at, i, wavelengths, lanes, Part::Continuous),
         }
     }

@@ -11,62 +11,66 @@
 use std::f32::consts::{FRAC_1_PI, PI};
 use std::sync::LazyLock;
 
+use crate::lanes::{Bits, Mask, Real, exp, ln, polynomial};
+
 /// All that is seen of Gaussian slopes of unit roughness from height `z` and distance `r`: `z (1 + Λ)`, relative error
 /// below 6e-7.
 ///
 /// `W(a) = a (1 + erf a)/2 + e^{−a²}/(2√π)` by a rational fit of least relative error for `a < 3.2`; from there on it is a.
-#[inline]
-pub(super) fn seen_area(z: f32, r: f32) -> f32 {
-    let a = z * r.recip();
-    if a < 3.2 {
-        let p = [
-            0.0137517133,
-            0.0259941666,
-            0.0791214371,
-            0.259710139,
-            0.440836057,
-            0.282094768,
-        ];
-        let q = [
-            -0.000457370414,
-            0.0215044117,
-            -0.0293605903,
-            0.292562183,
-            -0.209739913,
-            1.0,
-        ];
-        r * horner(&p, a) / horner(&q, a)
-    } else {
-        z
-    }
+#[inline(always)]
+pub(in crate::material) fn seen_area<R: Real>(z: R, r: R) -> R {
+    let a = z / r;
+    let p = [
+        0.0137517133,
+        0.0259941666,
+        0.0791214371,
+        0.259710139,
+        0.440836057,
+        0.282094768,
+    ];
+    let q = [
+        -0.000457370414,
+        0.0215044117,
+        -0.0293605903,
+        0.292562183,
+        -0.209739913,
+        1.0,
+    ];
+    let fit = r * polynomial(a, &p) / polynomial(a, &q);
+    R::select(a.lt(R::splat(3.2)), fit, z)
 }
 
 /// Slope along the view of a facet that is seen from height `z` and distance `r`, of unit roughness: solves `F(x) = u area`
 /// within 1e-6 of `area`, which is F(z/r).
 ///
 /// One step of Halley's method from an interpolated guess.
-#[inline]
-pub(super) fn visible_slope(z: f32, r: f32, area: f32, u: f32) -> f32 {
-    if r < 1e-4 * z {
-        // seen from above: Gaussian slopes, less the first order in r/z
-        return inverse_erf(2.0 * u - 1.0) - 0.5 * r / z;
-    }
+#[inline(always)]
+pub(in crate::material) fn visible_slope<R: Real>(z: R, r: R, area: R, u: R) -> R {
+    let half = R::splat(0.5);
     let gap = GUESSES.gap(z, r, u);
     let inverse = r.recip();
     let x = (z - gap) * inverse;
-    let bell = (-x * x).exp();
-    let half_tail = 0.5 * z * scaled_erfc(x.abs());
-    let edges = 0.5 * FRAC_1_PI.sqrt() * r;
-    let below = if x > 0.0 {
-        z + bell * (edges - half_tail)
-    } else {
-        bell * (edges + half_tail)
-    };
-    let excess = PI.sqrt() * (below - u * area);
-    let step = 2.0 * gap * excess / (2.0 * bell * gap * gap + excess * (2.0 * gap * x + r));
+    let bell = exp(-(x * x));
+    let half_tail = half * z * scaled_erfc(x.abs());
+    let edges = R::splat(0.5 * FRAC_1_PI.sqrt()) * r;
+    let below = R::select(
+        x.gt(R::zero()),
+        z + bell * (edges - half_tail),
+        bell * (edges + half_tail),
+    );
+    let excess = R::splat(PI.sqrt()) * (below - u * area);
+    let slope = (bell + bell) * gap * gap + excess * ((gap + gap) * x + r);
+    let step = (gap + gap) * excess / slope;
     // where facets are all but edge on `excess` is little more than rounding
-    let room = 0.5 * gap * inverse;
-    x - step.max(-room).min(room)
+    let room = half * gap * inverse;
+    let x = x - step.max(-room).min(room);
+    // seen from above: Gaussian slopes, less the first order in r/z
+    let above = r.lt(R::splat(1e-4) * z);
+    if !above.any() {
+        return x;
+    }
+    let gaussian = inverse_erf(u + u - R::one()) - half * r / z;
+    R::select(above, gaussian, x)
 }
 
 /// Where visible slopes are, roughly.
@@ -105,26 +109,38 @@ impl Guesses {
     }
 
     /// `z − x r` of a slope.
-    #[inline]
-    fn gap(&self, z: f32, r: f32, u: f32) -> f32 {
+    #[inline(always)]
+    fn gap<R: Real>(&self, z: R, r: R, u: R) -> R {
+        let (one, half) = (R::one(), R::splat(0.5));
         let whole = z + r;
         let across = r / whole;
-        let row = ((across * ROWS as f32) as usize).min(ROWS - 1);
-        let down = across * ROWS as f32 - row as f32;
-        let (half, distance) = if u < 0.5 { (0, u) } else { (1, 1.0 - u) };
+        let rows = across * R::splat(ROWS as f32);
+        let row = rows.min(R::splat(ROWS as f32 - 0.5)).to_int();
+        let down = rows - R::of_int(row);
+        let low = u.lt(half);
+        let distance = R::select(low, u, one - u);
         // a column begins where the exponent changes, or halfway to there
-        let bits = distance.clamp(LEAST, 0.499_999_97).to_bits() - LEAST.to_bits();
-        let column = (bits >> WITHIN) as usize;
-        let along = (bits & ((1 << WITHIN) - 1)) as f32 * (1.0 / (1 << WITHIN) as f32);
-        let at = |row: usize| {
-            let values = &self.0[row][half];
-            values[column] + along * (values[column + 1] - values[column])
-        };
-        let (upper, lower) = (at(row), at(row + 1));
+        let bits = distance.clamp(LEAST, 0.499_999_97).bits() - R::B::splat(LEAST.to_bits());
+        let column = bits.shr::<{ WITHIN as i32 }>();
+        let within = R::of_int(bits & R::B::splat((1 << WITHIN) - 1));
+        let along = within * R::splat(1.0 / (1 << WITHIN) as f32);
+        let (zero, columns) = (R::B::splat(0), R::B::splat(COLUMNS as u32));
+        let place = row * (columns + columns) + R::select_bits(low, zero, columns) + column;
+        let values = self.0.as_flattened().as_flattened();
+        let upper = between(values, place, along);
+        let lower = between(values, place + columns + columns, along);
         // beside the first row x falls by half of r/z
-        let first = 0.5 * (1.0 / ROWS as f32 - across).max(0.0);
+        let first = half * (R::splat(1.0 / ROWS as f32) - across).max(R::zero());
         whole * (upper + down * (lower - upper)) - r * first
     }
+}
+
+/// Between the value at a place and the next one.
+#[inline(always)]
+fn between<R: Real>(values: &[f32], place: R::B, along: R) -> R {
+    let here = R::gather(values, place);
+    let next = R::gather(values, place + R::B::splat(1));
+    here + along * (next - here)
 }
 
 /// Solves `F(x) = u F(z/r)` within 1e-8.
@@ -144,18 +160,12 @@ fn slope_by_bisection(z: f64, r: f64, u: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// A polynomial, highest power first.
-#[inline]
-fn horner(coefficients: &[f32], x: f32) -> f32 {
-    coefficients.iter().fold(0.0, |p, c| p * x + c)
-}
-
 /// e^{x²} erfc x for x from 0 to 4.5, relative error below 5e-7.
 ///
 /// A polynomial in `1/(1 + 0.36 x)` of least relative error there.
-#[inline]
-fn scaled_erfc(x: f32) -> f32 {
-    let t = (1.0 + 0.36 * x).recip();
+#[inline(always)]
+fn scaled_erfc<R: Real>(x: R) -> R {
+    let t = (R::one() + R::splat(0.36) * x).recip();
     let p = [
         -0.17173287,
         0.59846739,
@@ -165,47 +175,44 @@ fn scaled_erfc(x: f32) -> f32 {
         0.22314428,
         0.20154495,
     ];
-    t * horner(&p, t)
+    t * polynomial(t, &p)
 }
 
 /// Inverse error function, relative error below 5e-7 in single precision; finite at ±1.
 ///
 /// Source: Giles, Approximating the erfinv function, GPU Computing Gems Jade, 2011.
-#[inline]
-pub(super) fn inverse_erf(x: f32) -> f32 {
-    let x = x.clamp(-0.999_999_9, 0.999_999_9);
-    let w = -((1.0 - x) * (1.0 + x)).ln();
-    let p = if w < 5.0 {
-        horner(
-            &[
-                2.81022636e-08,
-                3.43273939e-07,
-                -3.5233877e-06,
-                -4.39150654e-06,
-                0.00021858087,
-                -0.00125372503,
-                -0.00417768164,
-                0.246640727,
-                1.50140941,
-            ],
-            w - 2.5,
-        )
-    } else {
-        horner(
-            &[
-                -0.000200214257,
-                0.000100950558,
-                0.00134934322,
-                -0.00367342844,
-                0.00573950773,
-                -0.0076224613,
-                0.00943887047,
-                1.00167406,
-                2.83297682,
-            ],
-            w.sqrt() - 3.0,
-        )
-    };
+#[inline(always)]
+pub(in crate::material) fn inverse_erf<R: Real>(x: R) -> R {
+    let x = Real::clamp(x, -0.999_999_9, 0.999_999_9);
+    let w = -ln((R::one() - x) * (R::one() + x));
+    let near = [
+        2.81022636e-08,
+        3.43273939e-07,
+        -3.5233877e-06,
+        -4.39150654e-06,
+        0.00021858087,
+        -0.00125372503,
+        -0.00417768164,
+        0.246640727,
+        1.50140941,
+    ];
+    let mut p = polynomial(w - R::splat(2.5), &near);
+    let far = w.ge(R::splat(5.0));
+    if far.any() {
+        let tail = [
+            -0.000200214257,
+            0.000100950558,
+            0.00134934322,
+            -0.00367342844,
+            0.00573950773,
+            -0.0076224613,
+            0.00943887047,
+            1.00167406,
+            2.83297682,
+        ];
+        let v = w.max(R::zero()).sqrt() - R::splat(3.0);
+        p = R::select(far, polynomial(v, &tail), p);
+    }
     p * x
 }
 

@@ -1,12 +1,14 @@
 //! Claims: paths side by side are the paths of the walk, and have the same bits with any number of lanes.
 
+use std::marker::PhantomData;
 use std::path::Path;
 
 use glam::{Vec3A, Vec4};
 
 use super::{Beginnings, Wavefront};
 use crate::lanes::{Bits, COLUMNS, MOST, Real, Task, V3, run_with_each};
-use crate::light::Polarized;
+use crate::light::abreast::Abreast;
+use crate::light::{Intensity, Polarized};
 use crate::path::{CameraSample, Counters, Start, trace};
 use crate::sampler::{PixelStream, Stream};
 use crate::scene::{BuiltScene, Overrides, build, read_text};
@@ -28,11 +30,14 @@ fn built(content: &str) -> BuiltScene {
 const SAMPLES: u64 = 4096;
 const BLOCK: u64 = 16;
 
-/// The light of samples of one pixel, in the order of their numbers.
-#[derive(Clone, Copy)]
-struct Samples<'a>(&'a BuiltScene);
+/// Wavelengths, nm, of which a path carries the first ones.
+const WAVELENGTHS: [f32; 4] = [550.0, 450.0, 620.0, 500.0];
 
-impl Task for Samples<'_> {
+/// The light of samples of one pixel, in the order of their numbers, each wavelength of its own.
+#[derive(Clone, Copy)]
+struct Samples<'a, L>(&'a BuiltScene, PhantomData<L>);
+
+impl<L: Abreast> Task for Samples<'_, L> {
     type Output = Vec<Vec4>;
 
     #[inline(always)]
@@ -43,6 +48,10 @@ impl Task for Samples<'_> {
         let mut found = vec![];
         let pixel = PixelStream::new(1, 7).words().map(R::B::splat);
         let zero = R::B::splat(0);
+        let mut wavelengths = L::values(R::zero());
+        for (to, nm) in wavelengths.as_mut().iter_mut().zip(&WAVELENGTHS) {
+            *to = R::splat(*nm);
+        }
         for start in (0..SAMPLES as u32).step_by(COLUMNS) {
             for first in (start..start + COLUMNS as u32).step_by(R::LANES) {
                 let number = R::B::from_fn(|lane| first + lane as u32);
@@ -64,12 +73,14 @@ impl Task for Samples<'_> {
                     direction,
                     axis,
                 };
-                front.begin::<R, Polarized<1>>(&begin, &[R::splat(550.0)], &stream, R::LANES);
+                front.begin::<R, L>(&begin, &wavelengths, &stream, R::LANES);
             }
-            let mut seen = [[Vec4::ZERO]; COLUMNS];
+            let mut seen = [L::dark(); COLUMNS];
             let options = &self.0.paths;
-            front.trace::<R, Polarized<1>>(scene, options, &mut stack, &mut counters, &mut seen);
-            found.extend(seen.map(|[stokes]| stokes));
+            front.trace::<R, L>(scene, options, &mut stack, &mut counters, &mut seen);
+            for stokes in &seen {
+                found.extend_from_slice(stokes.as_ref());
+            }
         }
         found
     }
@@ -85,42 +96,49 @@ fn start_of(built: &BuiltScene, [u, v]: [f32; 2]) -> (crate::geometry::ray::Ray,
 }
 
 /// The same by the walk.
-fn walked(built: &BuiltScene) -> Vec<Vec4> {
+fn walked<L: Abreast>(built: &BuiltScene) -> Vec<Vec4> {
     let (scene, mut counters) = (&built.scene, Counters::default());
     let mut stack = scene.stack();
     (0..SAMPLES)
-        .map(|sample| {
+        .flat_map(|sample| {
             let stream = PixelStream::new(1, 7).in_block(sample, (sample % BLOCK) as u32);
             let (ray, axis) = start_of(built, stream.pair(0));
             let camera = CameraSample {
                 start: &Start::Ray { ray, axis },
-                wavelengths: &[550.0],
+                wavelengths: &WAVELENGTHS[..L::LANES],
                 stream,
             };
             let options = &built.paths;
             let (stack, counters) = (&mut stack, &mut counters);
-            let [seen] = trace::<Polarized<1>, _>(scene, options, camera, stack, counters, &mut ());
-            seen
+            let seen = trace::<L, _>(scene, options, camera, stack, counters, &mut ());
+            seen.as_ref().to_vec()
         })
         .collect()
 }
 
 /// Compares both, and says how many samples differ by more than rounding makes of curved mirrors and glass.
 fn compare(content: &str) {
+    compare_as::<Polarized<1>>(content);
+}
+
+/// The same of light with any number of wavelengths, polarized or not.
+fn compare_as<L: Abreast>(content: &str) {
     let built = built(content);
-    let walked = walked(&built);
-    let all = run_with_each(Samples(&built));
+    let walked = walked::<L>(&built);
+    let all = run_with_each(Samples::<L>(&built, PhantomData));
     let one = &all[0];
     for lanes in &all[1..] {
         assert!(one == lanes, "{content}: lanes differ");
     }
-    let mean = walked.iter().map(|s| s.x).sum::<f32>() / SAMPLES as f32;
+    let mean = walked.iter().map(|s| s.x).sum::<f32>() / walked.len() as f32;
     assert!(mean > 1e-3, "dark: {mean}");
     // a decision that falls the other way by rounding changes a sample altogether
-    let off = walked.iter().zip(one).filter(|(a, b)| {
+    let is_off = |(a, b): (&Vec4, &Vec4)| {
         let size = a.x.max(b.x).max(0.1 * mean);
-        (**a - **b).abs().max_element() > 1e-3 * size
-    });
+        (*a - *b).abs().max_element() > 1e-3 * size
+    };
+    let samples = walked.chunks(L::LANES).zip(one.chunks(L::LANES));
+    let off = samples.filter(|(a, b)| a.iter().zip(*b).any(is_off));
     let shares = off.count() as f64 / SAMPLES as f64;
     println!("{shares} differ");
     assert!(shares < 2e-3, "{content}: {shares}");
@@ -156,6 +174,65 @@ fn rough_matter_is_the_same_side_by_side() {
         "<bsdf type='twosided'><bsdf type='roughplastic'/></bsdf>",
     ] {
         compare(&ball(bsdf));
+    }
+}
+
+const COLOURS: &str = "<rgb name='diffuse_reflectance' value='0.7, 0.4, 0.1'/>
+    <rgb name='specular_reflectance' value='0.5, 0.9, 0.7'/>";
+
+/// Scenes with everything that plastics can be made of.
+fn of_plastic() -> Vec<String> {
+    let bsdf = |kind: &str, more: &str| format!("<bsdf type='{kind}'>{COLOURS}{more}</bsdf>");
+    let ggx = "<string name='distribution' value='ggx'/>";
+    let along = "<float name='alpha_u' value='0.1'/><float name='alpha_v' value='0.4'/>";
+    let all_facets =
+        "<float name='alpha' value='0.2'/><boolean name='sample_visible' value='false'/>";
+    let nonlinear = "<float name='alpha' value='0.3'/><boolean name='nonlinear' value='true'/>";
+    let thin = "<float name='int_ior' value='1.1'/><float name='ext_ior' value='1.5'/>";
+    let mut all: Vec<String> = [
+        ("pplastic", String::new()),
+        ("pplastic", along.to_owned()),
+        ("pplastic", format!("{ggx}{along}")),
+        ("pplastic", all_facets.to_owned()),
+        ("pplastic", thin.to_owned()),
+        ("roughplastic", nonlinear.to_owned()),
+        ("roughplastic", format!("{ggx}{all_facets}")),
+        (
+            "plastic",
+            "<boolean name='nonlinear' value='true'/>".to_owned(),
+        ),
+        ("plastic", thin.to_owned()),
+    ]
+    .iter()
+    .map(|(kind, more)| ball(&bsdf(kind, more)))
+    .collect();
+    // from behind one side is dark, and two sides are not
+    let turned = |matter: &str| {
+        format!(
+            "<shape type='rectangle'><transform name='to_world'><rotate y='1' angle='200'/></transform>{matter}</shape>{LAMP}{SKY}"
+        )
+    };
+    all.push(turned(&bsdf("pplastic", "")));
+    let sides = bsdf("plastic", "") + &bsdf("roughplastic", nonlinear);
+    all.push(turned(&format!("<bsdf type='twosided'>{sides}</bsdf>")));
+    let side = bsdf("pplastic", along);
+    all.push(turned(&format!("<bsdf type='twosided'>{side}</bsdf>")));
+    all
+}
+
+#[test]
+fn plastics_are_the_same_side_by_side() {
+    for content in of_plastic() {
+        compare(&content);
+    }
+}
+
+#[test]
+fn colours_of_plastics_are_the_same_side_by_side() {
+    for content in of_plastic() {
+        compare_as::<Polarized<4>>(&content);
+        compare_as::<Intensity<1>>(&content);
+        compare_as::<Intensity<4>>(&content);
     }
 }
 
