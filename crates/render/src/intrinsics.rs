@@ -4,8 +4,8 @@
 //!
 //! *Instructions are used only where the processor has them.* [`found`] alone asks for them, and it alone makes the
 //! permissions [`Avx2`] and `Avx512`. Whatever uses instructions either takes a permission, or is a function of the types
-//! `F`, `U`, `M` and `D`, which have no name outside this file: other code meets them as the types of a [`Task`] that
-//! `run` was given with a permission. Comments call this *the rule*.
+//! `F`, `U`, `M` and `D`, which have no name outside their module: other code meets them as the types of a [`Task`], which
+//! `run` does where there is a permission. Comments call this *the rule*.
 //!
 //! *Memory is touched in few places.* What stands in tables (`operators!`, `inlined!`) works on registers alone. Every
 //! pointer elsewhere comes from an array or a slice, and the comment says why it is long enough.
@@ -126,19 +126,19 @@ mod x86 {
 
             /// Numbers in single precision.
             #[derive(Clone, Copy, Debug)]
-            pub(super) struct F(Singles);
+            struct F(Singles);
 
             /// Numbers of 32 bits.
             #[derive(Clone, Copy, Debug)]
-            pub(super) struct U(Words);
+            struct U(Words);
 
             /// Answers.
             #[derive(Clone, Copy, Debug)]
-            pub(super) struct M(Answers);
+            struct M(Answers);
 
             /// Numbers in double precision.
             #[derive(Clone, Copy, Debug)]
-            pub(super) struct D(Doubles, Doubles);
+            struct D(Doubles, Doubles);
 
             operators! {
                 Add for F: add(self, other) = Self(add_ps(self.0, other.0));

@@ -1,4 +1,5 @@
-//! What tracing a ray asks of a processor: numbers side by side; and the portable answer to it.
+//! What tracing a ray asks of a processor: numbers side by side; and the portable answer to it. That of AVX2 is in
+//! `intrinsics.rs`.
 //!
 //! Every operation rounds each lane as IEEE 754 has it and nothing is fused, so all implementations give the same
 //! bits: traversal, distances and barycentric weights do not depend on the instructions that were chosen.

@@ -1,8 +1,9 @@
 //! Numbers side by side: one camera path a lane, all doing the same at the same time.
 //!
 //! What is written for any [`Real`] runs with one path at a time (`f32`, every processor), with eight (AVX2) or sixteen
-//! (AVX-512), chosen at run time by [`run`]. Every operation rounds each lane as IEEE 754 has it and nothing is fused, so that both give the
-//! same bits. Lanes that do not take part go through the same arithmetic; masks keep their results out.
+//! (AVX-512, both in `intrinsics.rs`), chosen at run time by [`run`]. Every operation rounds each lane as IEEE 754 has it and
+//! nothing is fused, so that all give the same bits. Lanes that do not take part go through the same arithmetic; masks keep
+//! their results out.
 //!
 //! Everything here is inlined into the task that [`run`] is given: only there are the instructions known.
 
