@@ -13,6 +13,7 @@ pub mod film;
 pub mod filter;
 pub mod geometry;
 pub mod image;
+mod intrinsics;
 pub mod ior;
 pub mod lanes;
 pub mod light;

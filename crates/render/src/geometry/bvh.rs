@@ -11,9 +11,10 @@ use rayon::prelude::*;
 
 use super::collapse::collapse;
 use super::flat::FlatBlock;
+use super::lanes::Instructions;
 use super::node::{KIND, Node, WIDTH};
 use super::ray::{Hit, Ray};
-use super::simd::Instructions;
+use super::walk::Walk;
 
 pub use super::bounds::{Bounds, Primitive};
 
@@ -108,9 +109,12 @@ impl Bvh {
             let (t, u, v) = shape(primitive, ray.t_max)?;
             (t, primitive, u, v)
         } else {
-            let hit = self
-                .instructions
-                .walk::<ANY>(self, ray, &mut stack.0, shape)?;
+            let hit = self.instructions.trace(Walk::<ANY, _> {
+                bvh: self,
+                ray,
+                stack: &mut stack.0,
+                shape,
+            })?;
             (hit.t, hit.primitive, hit.u, hit.v)
         };
         Some(Hit { t, primitive, u, v })

@@ -10,7 +10,7 @@ use super::bounds::Primitive;
 use super::choices::Choices;
 use super::flat::{BLOCK, Flat, FlatBlock};
 use super::node::{FLATS, NODE, Node, SHAPE, WIDTH};
-use super::simd::filled_in_large_pages;
+use crate::intrinsics::filled_in_large_pages;
 
 /// Levels of the wide tree that are written before the subtrees below them, each of which is written on its own.
 const TOP: usize = 3;

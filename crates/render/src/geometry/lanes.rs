@@ -1,12 +1,16 @@
-//! What tracing a ray asks of a processor: numbers side by side; and the portable answer to it.
+//! What tracing a ray asks of a processor: numbers side by side; and the portable answer to it. That of AVX2 is in
+//! `intrinsics.rs`.
 //!
 //! Every operation rounds each lane as IEEE 754 has it and nothing is fused, so all implementations give the same
 //! bits: traversal, distances and barycentric weights do not depend on the instructions that were chosen.
 
+#[cfg(target_arch = "x86_64")]
+use crate::intrinsics::{Avx2, found};
+
 /// `N` numbers in single precision that are worked on together.
 ///
 /// A value of the implementing type is the permission to use its instructions.
-pub(super) trait Lanes<const N: usize>: Copy {
+pub(crate) trait Lanes<const N: usize>: Copy {
     /// The numbers.
     type F: Copy;
 
@@ -47,9 +51,50 @@ pub(super) trait Lanes<const N: usize>: Copy {
 }
 
 /// What the traversal needs: eight boxes at once, four flat primitives at once.
-pub(super) trait Simd: Lanes<8> + Lanes<4> {
+pub(crate) trait Simd: Lanes<8> + Lanes<4> {
     /// Says that something will be read soon.
     fn prefetch<T>(self, _at: &T) {}
+}
+
+/// Something to be done with rays: one source for all instructions.
+pub(crate) trait Traversal {
+    /// What comes of it.
+    type Output;
+
+    /// Does it. Must be `#[inline(always)]`, as everything in it that takes a [`Simd`].
+    fn run<S: Simd>(self, simd: S) -> Self::Output;
+}
+
+/// Which instructions trace rays.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) enum Instructions {
+    /// Those that every processor has.
+    #[default]
+    Portable,
+    /// Eight lanes at once.
+    #[cfg(target_arch = "x86_64")]
+    Avx2(Avx2),
+}
+
+impl Instructions {
+    /// The best that this processor has, or the portable ones where the environment says `BREWSTER_SIMD=portable`.
+    pub(super) fn choose() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if let (Some(avx2), _) = found() {
+            return Self::Avx2(avx2);
+        }
+        Self::Portable
+    }
+
+    /// Does it in a function that is compiled for these instructions.
+    #[inline]
+    pub(super) fn trace<T: Traversal>(self, traversal: T) -> T::Output {
+        match self {
+            Self::Portable => Portable.trace(traversal),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(avx2) => avx2.trace(traversal),
+        }
+    }
 }
 
 /// Plain arrays, for every processor.
@@ -57,6 +102,14 @@ pub(super) trait Simd: Lanes<8> + Lanes<4> {
 pub(super) struct Portable;
 
 impl Simd for Portable {}
+
+impl Portable {
+    /// Out of the way of scenes of one shape.
+    #[inline(never)]
+    fn trace<T: Traversal>(self, traversal: T) -> T::Output {
+        traversal.run(self)
+    }
+}
 
 #[inline(always)]
 fn map<const N: usize>(a: [f32; N], b: [f32; N], f: impl Fn(f32, f32) -> f32) -> [f32; N] {

@@ -6,10 +6,9 @@ mod choices;
 mod collapse;
 pub mod flat;
 pub mod frame;
-mod lanes;
+pub(crate) mod lanes;
 mod node;
 pub mod ray;
-mod simd;
 #[cfg(test)]
 mod tests;
 mod walk;

@@ -1,15 +1,12 @@
 //! Numbers side by side: one camera path a lane, all doing the same at the same time.
 //!
 //! What is written for any [`Real`] runs with one path at a time (`f32`, every processor), with eight (AVX2) or sixteen
-//! (AVX-512), chosen at run time by [`run`]. Every operation rounds each lane as IEEE 754 has it and nothing is fused, so that both give the
-//! same bits. Lanes that do not take part go through the same arithmetic; masks keep their results out.
+//! (AVX-512, both in `intrinsics.rs`), chosen at run time by [`run`]. Every operation rounds each lane as IEEE 754 has it and
+//! nothing is fused, so that all give the same bits. Lanes that do not take part go through the same arithmetic; masks keep
+//! their results out.
 //!
 //! Everything here is inlined into the task that [`run`] is given: only there are the instructions known.
 
-#[cfg(target_arch = "x86_64")]
-mod avx2;
-#[cfg(target_arch = "x86_64")]
-mod avx512;
 mod functions;
 mod one;
 mod rows;
@@ -19,6 +16,9 @@ mod vector;
 
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
+
+#[cfg(target_arch = "x86_64")]
+use crate::intrinsics::found;
 
 pub use functions::{atan2, exp, ln, polynomial, sin_cos_turns};
 pub use rows::{COLUMNS, Columns, Packed, Rows};
@@ -268,22 +268,17 @@ pub trait Task {
     fn run<R: Real>(self) -> Self::Output;
 }
 
-/// Whether the environment asks for one of some kinds of instructions: `BREWSTER_SIMD` is `portable` or `avx2`.
-#[cfg(target_arch = "x86_64")]
-fn wished_for(kinds: &[&str]) -> bool {
-    std::env::var_os("BREWSTER_SIMD").is_some_and(|wish| kinds.iter().any(|kind| wish == *kind))
-}
-
 /// Does a task with as many lanes as the processor has, or with fewer where the environment says `BREWSTER_SIMD=avx2` or
 /// `BREWSTER_SIMD=portable`.
 pub fn run<T: Task>(task: T) -> T::Output {
     #[cfg(target_arch = "x86_64")]
     {
-        if avx512::is_there() {
-            return avx512::run(task);
+        let (avx2, avx512) = found();
+        if let Some(avx512) = avx512 {
+            return avx512.run(task);
         }
-        if avx2::is_there() {
-            return avx2::run(task);
+        if let Some(avx2) = avx2 {
+            return avx2.run(task);
         }
     }
     task.run::<f32>()
@@ -299,12 +294,9 @@ pub fn run_with_each<T: Task + Copy>(task: T) -> Vec<T::Output> {
     let mut all = vec![task.run::<f32>()];
     #[cfg(target_arch = "x86_64")]
     {
-        if avx2::is_there() {
-            all.push(avx2::run(task));
-        }
-        if avx512::is_there() {
-            all.push(avx512::run(task));
-        }
+        let (avx2, avx512) = found();
+        all.extend(avx2.map(|avx2| avx2.run(task)));
+        all.extend(avx512.map(|avx512| avx512.run(task)));
     }
     all
 }

@@ -495,6 +495,7 @@ impl<R: Real, const N: usize> Throughputs<R, N> {
         }
         (axis, all)
     }
+}
 
 /// Column of an element, S0 to S2 of the light that it makes of unpolarized light, in the frame of `axis`; its own axis is
 /// `own`. Its row in that frame is the same.
