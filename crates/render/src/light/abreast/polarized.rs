@@ -1,0 +1,291 @@
+//! Polarized light side by side.
+
+use glam::{Mat4, Vec3A, Vec4, vec4};
+
+use super::algebra::{
+    Matrices, arriving, element_beside, polarized_along, scaled_vector, times_vector,
+};
+use super::throughput::Throughputs;
+use super::{Abreast, Elements, Shine, Sights, each_wavelength};
+use crate::lanes::{Axes, Bits, Columns, MOST, Mask, Packed, Real, Rows, V3, each};
+use crate::light::{MuellerResponse, Polarized};
+
+/// What matter does to light, a path a lane; `N` wavelengths.
+#[derive(Clone, Copy, Debug)]
+pub enum Answers<R, const N: usize> {
+    /// Only M00.
+    Depolarizing([R; N]),
+    /// Diagonal in the frame of an axis on both sides.
+    Diagonal(V3<R>, [Elements<R>; N]),
+    /// Any matrix, from the frame of the second axis to that of the first.
+    General(V3<R>, V3<R>, [Matrices<R>; N]),
+}
+
+impl<const N: usize> Abreast for Polarized<N> {
+    type Values<R: Real> = [R; N];
+    type Diagonals<R: Real> = [Elements<R>; N];
+    type Answers<R: Real> = Answers<R, N>;
+    type Throughputs<R: Real> = Throughputs<R, N>;
+    type Seen<R: Real> = [[R; 4]; N];
+
+    #[inline(always)]
+    fn values<R: Real>(value: R) -> [R; N] {
+        [value; N]
+    }
+    #[inline(always)]
+    fn diagonals<R: Real>(element: Elements<R>) -> [Elements<R>; N] {
+        [element; N]
+    }
+    #[inline(always)]
+    fn depolarizing_lanes<R: Real>(m00: [R; N]) -> Answers<R, N> {
+        Answers::Depolarizing(m00)
+    }
+    #[inline(always)]
+    fn diagonal_lanes<R: Real>(axis: V3<R>, elements: &[Elements<R>; N]) -> Answers<R, N> {
+        Answers::Diagonal(axis, *elements)
+    }
+    #[inline(always)]
+    fn general_lanes<R: Real>(axis: V3<R>, matrix: &Mat4, factors: &[R; N]) -> Answers<R, N> {
+        let columns = matrix.to_cols_array_2d();
+        let none = [[R::zero(); 4]; 4];
+        let matrices = each_wavelength!(w, none, {
+            let mut m = none;
+            for (to, from) in m.iter_mut().zip(&columns) {
+                for (to, from) in to.iter_mut().zip(from) {
+                    *to = R::splat(*from) * factors[w];
+                }
+            }
+            m
+        });
+        Answers::General(axis, axis, matrices)
+    }
+    #[inline(always)]
+    fn coated_lanes<R: Real>(
+        (axis, surface): (V3<R>, &[Elements<R>; N]),
+        last: (V3<R>, Elements<R>),
+        weights: &[R; N],
+        first: (V3<R>, Elements<R>),
+        [o, i]: [V3<R>; 2],
+    ) -> Answers<R, N> {
+        let column = polarized_along(axis, last, o);
+        let row = polarized_along(axis, first, -i);
+        let none = [[R::zero(); 4]; 4];
+        let matrices = each_wavelength!(
+            w,
+            none,
+            element_beside(&surface[w], column, weights[w], row)
+        );
+        Answers::General(axis, axis, matrices)
+    }
+    #[inline(always)]
+    fn gathered<R: Real>(
+        lanes: u32,
+        o: &[Vec3A; MOST],
+        i: &[Vec3A; MOST],
+        mut f: impl FnMut(usize) -> MuellerResponse<N>,
+    ) -> Answers<R, N> {
+        let mut axes = [[Vec3A::X; MOST]; 2];
+        let mut matrices = [[[[0.0; MOST]; 4]; 4]; N];
+        each(lanes, |lane| {
+            let ([out, inward], matrix) = f(lane).whole(o[lane], i[lane]);
+            axes[0][lane] = out;
+            axes[1][lane] = inward;
+            for (to, from) in matrices.iter_mut().zip(matrix) {
+                for (column, values) in to.iter_mut().enumerate() {
+                    for (row, value) in values.iter_mut().enumerate() {
+                        value[lane] = from.col(column)[row];
+                    }
+                }
+            }
+        });
+        let mut all = [[[R::zero(); 4]; 4]; N];
+        for (to, from) in all.iter_mut().zip(&matrices) {
+            for column in 0..4 {
+                for row in 0..4 {
+                    to[column][row] = R::from_fn(|lane| from[column][row][lane]);
+                }
+            }
+        }
+        Answers::General(V3::from_lanes(&axes[0]), V3::from_lanes(&axes[1]), all)
+    }
+    #[inline(always)]
+    fn to_world<R: Real>(answer: &Answers<R, N>, axes: &Axes<R>) -> Answers<R, N> {
+        match answer {
+            Answers::Depolarizing(_) => *answer,
+            Answers::Diagonal(axis, elements) => Answers::Diagonal(axes.to_world(*axis), *elements),
+            Answers::General(out, inward, m) => {
+                Answers::General(axes.to_world(*out), axes.to_world(*inward), *m)
+            }
+        }
+    }
+    #[inline(always)]
+    fn beginning<R: Real>(axis: V3<R>) -> Throughputs<R, N> {
+        Throughputs::Unit { axis }
+    }
+    #[inline(always)]
+    fn extended<R: Real>(
+        throughput: &Throughputs<R, N>,
+        answer: &Answers<R, N>,
+        weight: R,
+        k_out: V3<R>,
+    ) -> Throughputs<R, N> {
+        throughput.extended(answer, weight, k_out)
+    }
+    #[inline(always)]
+    fn select<R: Real>(
+        mask: R::M,
+        a: &Throughputs<R, N>,
+        b: &Throughputs<R, N>,
+    ) -> Throughputs<R, N> {
+        Throughputs::select(mask, a, b)
+    }
+    #[inline(always)]
+    fn seen<R: Real>(
+        throughput: &Throughputs<R, N>,
+        light: &Shine<[R; N], R>,
+        k: V3<R>,
+        weight: R,
+    ) -> [[R; 4]; N] {
+        let none = [R::zero(); 4];
+        match &light.state {
+            None => each_wavelength!(
+                w,
+                none,
+                scaled_vector(throughput.first_column(w), light.radiance[w] * weight)
+            ),
+            Some((axis, states)) => {
+                let turn = throughput.turn_to(*axis, k);
+                each_wavelength!(w, none, {
+                    let s0 = light.radiance[w] * weight;
+                    let state = [s0, states[0][w] * s0, states[1][w] * s0, states[2][w] * s0];
+                    throughput.times(w, state, turn)
+                })
+            }
+        }
+    }
+    #[inline(always)]
+    fn seen_through<R: Real>(
+        throughput: &Throughputs<R, N>,
+        answer: &Answers<R, N>,
+        k_out: V3<R>,
+        light: &Shine<[R; N], R>,
+        k_in: V3<R>,
+        weight: R,
+    ) -> [[R; 4]; N] {
+        let none = [R::zero(); 4];
+        match answer {
+            Answers::Depolarizing(m00) => each_wavelength!(
+                w,
+                none,
+                scaled_vector(
+                    throughput.first_column(w),
+                    m00[w] * light.radiance[w] * weight
+                )
+            ),
+            Answers::Diagonal(axis, elements) => {
+                let turn = throughput.turn_to(*axis, k_out);
+                if light.state.is_none() {
+                    // of the element the first column is enough
+                    return each_wavelength!(w, none, {
+                        let (e, radiance) = (&elements[w], light.radiance[w] * weight);
+                        let after = [e.mean * radiance, e.difference * radiance];
+                        throughput.times_linear(w, after, turn)
+                    });
+                }
+                let light = arriving(*axis, light, k_in, weight);
+                each_wavelength!(w, none, {
+                    let (e, v) = (&elements[w], light[w]);
+                    let after = [
+                        e.mean * v[0] + e.difference * v[1],
+                        e.difference * v[0] + e.mean * v[1],
+                        e.cosine * v[2] + e.sine * v[3],
+                        e.cosine * v[3] - e.sine * v[2],
+                    ];
+                    throughput.times(w, after, turn)
+                })
+            }
+            Answers::General(out, inward, matrices) => {
+                let turn = throughput.turn_to(*out, k_out);
+                if light.state.is_none() {
+                    return each_wavelength!(w, none, {
+                        let column = matrices[w][0];
+                        let after = scaled_vector(column, light.radiance[w] * weight);
+                        throughput.times(w, after, turn)
+                    });
+                }
+                let light = arriving(*inward, light, k_in, weight);
+                each_wavelength!(w, none, {
+                    throughput.times(w, times_vector(&matrices[w], light[w]), turn)
+                })
+            }
+        }
+    }
+    #[inline(always)]
+    fn add_to<R: Real>(sums: &mut [[Vec4; N]], samples: R::B, seen: &[[R; 4]; N], lanes: R::M) {
+        let samples = samples.lanes();
+        for w in 0..N {
+            let [a, b, c, d] = seen[w];
+            let (a, b, c, d) = (a.lanes(), b.lanes(), c.lanes(), d.lanes());
+            each(lanes.bits(), |lane| {
+                let more = vec4(a[lane], b[lane], c[lane], d[lane]);
+                sums[samples[lane] as usize][w] += more;
+            });
+        }
+    }
+    #[inline(always)]
+    fn kind<R: Real>(throughput: &Throughputs<R, N>) -> usize {
+        throughput.kind()
+    }
+    #[inline(always)]
+    fn taken<R: Real, const ROWS: usize>(
+        rows: &Rows<ROWS>,
+        row: usize,
+        columns: Columns<R>,
+        kind: usize,
+    ) -> Throughputs<R, N> {
+        Throughputs::taken(rows, row, columns, kind)
+    }
+    #[inline(always)]
+    fn taken_for_unpolarized<R: Real, const ROWS: usize>(
+        rows: &Rows<ROWS>,
+        row: usize,
+        columns: Columns<R>,
+        kind: usize,
+    ) -> Throughputs<R, N> {
+        Throughputs::taken_for_unpolarized(rows, row, columns, kind)
+    }
+    #[inline(always)]
+    fn put<R: Real, const ROWS: usize>(
+        rows: &mut Rows<ROWS>,
+        row: usize,
+        columns: Packed<R>,
+        throughput: &Throughputs<R, N>,
+    ) {
+        throughput.put(rows, row, columns);
+    }
+    #[inline(always)]
+    fn strengths<R: Real>(throughput: &Throughputs<R, N>) -> R {
+        let mut most = throughput.first_column(0)[0];
+        for w in 1..N {
+            most = most.max(throughput.first_column(w)[0]);
+        }
+        most
+    }
+    #[inline(always)]
+    fn reaches<R: Real>(throughput: &Throughputs<R, N>) -> R {
+        let mut most = R::zero();
+        for w in 0..N {
+            let [s0, a, b, c] = throughput.first_column(w);
+            most = most.max(s0 + (a * a + b * b + c * c).sqrt());
+        }
+        most
+    }
+    #[inline(always)]
+    fn sights<R: Real>(throughput: &Throughputs<R, N>) -> Sights<R> {
+        throughput.sights()
+    }
+    #[inline(always)]
+    fn scaled_lanes<R: Real>(throughput: &Throughputs<R, N>, weight: R) -> Throughputs<R, N> {
+        throughput.scaled(weight)
+    }
+}

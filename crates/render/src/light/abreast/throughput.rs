@@ -1,0 +1,504 @@
+//! Throughputs of paths side by side, kept as small as the path allows.
+//!
+//! Lanes that work together have throughputs of one kind, so that all do the same.
+
+use glam::Vec3A;
+
+use super::algebra::{
+    Matrices, dot, double_angles, row_times_element, scaled_vector, times_elements, times_vector,
+    turned_columns, turned_element, turned_row, turned_vector,
+};
+use super::polarized::Answers;
+use super::{Sights, each_wavelength};
+use crate::lanes::{Columns, Mask, Packed, Real, Rows, V3};
+
+/// Mueller matrices of paths, from the frame of `axis` to that of the sensor, all of one kind.
+#[derive(Clone, Copy, Debug)]
+pub enum Throughputs<R, const N: usize> {
+    /// One: nothing has been met yet.
+    Unit {
+        /// First axis of the Stokes frame.
+        axis: V3<R>,
+    },
+    /// Any.
+    Whole {
+        /// First axis of the Stokes frame.
+        axis: V3<R>,
+        /// By columns.
+        matrices: [Matrices<R>; N],
+    },
+    /// A column times a row: the path has met a depolarizer.
+    Product {
+        /// First axis of the Stokes frame.
+        axis: V3<R>,
+        /// What of the path the sensor sees.
+        columns: [[R; 4]; N],
+        /// What of light goes that way.
+        rows: [[R; 4]; N],
+    },
+    /// A column times (1, 0, 0, 0): only the radiance matters, since the path has just met a depolarizer.
+    Column {
+        /// What of the path the sensor sees.
+        columns: [[R; 4]; N],
+    },
+}
+
+const UNIT: usize = 0;
+const WHOLE: usize = 1;
+const PRODUCT: usize = 2;
+const COLUMN: usize = 3;
+
+/// A vector of numbers in as many rows.
+#[inline(always)]
+fn four<R: Real, const ROWS: usize>(rows: &Rows<ROWS>, row: usize, columns: Columns<R>) -> [R; 4] {
+    [
+        rows.get(row, columns),
+        rows.get(row + 1, columns),
+        rows.get(row + 2, columns),
+        rows.get(row + 3, columns),
+    ]
+}
+
+#[inline(always)]
+fn put_four<R: Real, const ROWS: usize>(
+    rows: &mut Rows<ROWS>,
+    row: usize,
+    columns: Packed<R>,
+    v: &[R; 4],
+) {
+    for (k, value) in v.iter().enumerate() {
+        rows.put(row + k, columns, *value);
+    }
+}
+
+#[inline(always)]
+fn select_four<R: Real>(mask: R::M, a: &[R; 4], b: &[R; 4]) -> [R; 4] {
+    let mut chosen = *b;
+    for (to, a) in chosen.iter_mut().zip(a) {
+        *to = R::select(mask, *a, *to);
+    }
+    chosen
+}
+
+impl<R: Real, const N: usize> Throughputs<R, N> {
+    /// The first column, of one wavelength.
+    #[inline(always)]
+    pub(super) fn first_column(&self, w: usize) -> [R; 4] {
+        match self {
+            Self::Unit { .. } => [R::one(), R::zero(), R::zero(), R::zero()],
+            Self::Whole { matrices, .. } => matrices[w][0],
+            Self::Product { columns, rows, .. } => scaled_vector(columns[w], rows[w][0]),
+            Self::Column { columns } => columns[w],
+        }
+    }
+
+    /// The double angle from its frame to that of an axis; none that matters where no frame does.
+    #[inline(always)]
+    pub(super) fn turn_to(&self, to: V3<R>, k: V3<R>) -> (R, R) {
+        match self {
+            Self::Unit { axis } | Self::Whole { axis, .. } | Self::Product { axis, .. } => {
+                double_angles(*axis, to, k)
+            }
+            Self::Column { .. } => (R::one(), R::zero()),
+        }
+    }
+
+    /// A Stokes vector in a frame that is turned by the double angle, as the sensor sees it, of one wavelength.
+    #[inline(always)]
+    pub(super) fn times(&self, w: usize, v: [R; 4], turn: (R, R)) -> [R; 4] {
+        match self {
+            Self::Unit { .. } => turned_vector(v, turn),
+            Self::Whole { matrices, .. } => times_vector(&matrices[w], turned_vector(v, turn)),
+            Self::Product { columns, rows, .. } => {
+                scaled_vector(columns[w], dot(rows[w], turned_vector(v, turn)))
+            }
+            Self::Column { columns } => scaled_vector(columns[w], v[0]),
+        }
+    }
+
+    /// The same of light whose state is (a, b, 0, 0).
+    #[inline(always)]
+    pub(super) fn times_linear(&self, w: usize, [a, b]: [R; 2], (c, s): (R, R)) -> [R; 4] {
+        match self {
+            Self::Unit { .. } => [a, c * b, s * b, R::zero()],
+            Self::Whole { matrices, .. } => {
+                let (m, b1, b2) = (&matrices[w], c * b, s * b);
+                let mut sum = [R::zero(); 4];
+                for (row, to) in sum.iter_mut().enumerate() {
+                    *to = m[0][row] * a + m[1][row] * b1 + m[2][row] * b2;
+                }
+                sum
+            }
+            Self::Product { columns, rows, .. } => {
+                let (row, b1, b2) = (rows[w], c * b, s * b);
+                scaled_vector(columns[w], row[0] * a + row[1] * b1 + row[2] * b2)
+            }
+            Self::Column { columns } => scaled_vector(columns[w], a),
+        }
+    }
+
+    /// As whole matrices.
+    #[inline(always)]
+    fn whole(&self) -> (V3<R>, [Matrices<R>; N]) {
+        let (zero, one) = (R::zero(), R::one());
+        let mut all = [[[zero; 4]; 4]; N];
+        let mut axis = V3::splat(Vec3A::Z);
+        match self {
+            Self::Unit { axis: own } => {
+                axis = *own;
+                for matrix in &mut all {
+                    for (k, column) in matrix.iter_mut().enumerate() {
+                        column[k] = one;
+                    }
+                }
+            }
+            Self::Whole {
+                axis: own,
+                matrices,
+            } => {
+                axis = *own;
+                all = *matrices;
+            }
+            Self::Product {
+                axis: own,
+                columns,
+                rows,
+            } => {
+                axis = *own;
+                for ((matrix, column), row) in all.iter_mut().zip(columns).zip(rows) {
+                    for (to, factor) in matrix.iter_mut().zip(row) {
+                        *to = scaled_vector(*column, *factor);
+                    }
+                }
+            }
+            Self::Column { columns } => {
+                for (matrix, column) in all.iter_mut().zip(columns) {
+                    matrix[0] = *column;
+                }
+            }
+        }
+        (axis, all)
+    }
+
+    /// Longer by a vertex, weighted; `k_out` is the direction of light that leaves it.
+    #[inline(always)]
+    pub(super) fn extended(&self, answer: &Answers<R, N>, weight: R, k_out: V3<R>) -> Self {
+        let (no_matrix, no_vector) = ([[R::zero(); 4]; 4], [R::zero(); 4]);
+        match answer {
+            Answers::Depolarizing(m00) => Throughputs::Column {
+                columns: each_wavelength!(
+                    w,
+                    no_vector,
+                    scaled_vector(self.first_column(w), m00[w] * weight)
+                ),
+            },
+            Answers::Diagonal(axis, elements) => {
+                let (axis, turn) = (*axis, self.turn_to(*axis, k_out));
+                match self {
+                    Throughputs::Unit { .. } => Throughputs::Whole {
+                        axis,
+                        matrices: each_wavelength!(
+                            w,
+                            no_matrix,
+                            turned_element(&elements[w].scaled(weight), turn)
+                        ),
+                    },
+                    Throughputs::Whole { matrices, .. } => Throughputs::Whole {
+                        axis,
+                        matrices: each_wavelength!(
+                            w,
+                            no_matrix,
+                            times_elements(
+                                &turned_columns(&matrices[w], turn),
+                                &elements[w].scaled(weight)
+                            )
+                        ),
+                    },
+                    Throughputs::Product { columns, rows, .. } => Throughputs::Product {
+                        axis,
+                        columns: *columns,
+                        rows: each_wavelength!(
+                            w,
+                            no_vector,
+                            row_times_element(
+                                turned_row(rows[w], turn),
+                                &elements[w].scaled(weight)
+                            )
+                        ),
+                    },
+                    Throughputs::Column { columns } => Throughputs::Product {
+                        axis,
+                        columns: *columns,
+                        rows: each_wavelength!(w, no_vector, {
+                            let e = elements[w].scaled(weight);
+                            [e.mean, e.difference, R::zero(), R::zero()]
+                        }),
+                    },
+                }
+            }
+            Answers::General(out, inward, answers) => {
+                let (axis, turn) = (*inward, self.turn_to(*out, k_out));
+                match self {
+                    Throughputs::Unit { .. } => Throughputs::Whole {
+                        axis,
+                        matrices: each_wavelength!(w, no_matrix, {
+                            let mut product = no_matrix;
+                            for (to, column) in product.iter_mut().zip(answers[w]) {
+                                *to = turned_vector(scaled_vector(column, weight), turn);
+                            }
+                            product
+                        }),
+                    },
+                    Throughputs::Whole { matrices, .. } => Throughputs::Whole {
+                        axis,
+                        matrices: each_wavelength!(w, no_matrix, {
+                            let turned = turned_columns(&matrices[w], turn);
+                            let mut product = no_matrix;
+                            for (to, column) in product.iter_mut().zip(answers[w]) {
+                                *to = times_vector(&turned, scaled_vector(column, weight));
+                            }
+                            product
+                        }),
+                    },
+                    Throughputs::Product { columns, rows, .. } => Throughputs::Product {
+                        axis,
+                        columns: *columns,
+                        rows: each_wavelength!(w, no_vector, {
+                            let turned = scaled_vector(turned_row(rows[w], turn), weight);
+                            let mut product = no_vector;
+                            for (to, column) in product.iter_mut().zip(answers[w]) {
+                                *to = dot(turned, column);
+                            }
+                            product
+                        }),
+                    },
+                    Throughputs::Column { columns } => Throughputs::Product {
+                        axis,
+                        columns: *columns,
+                        rows: each_wavelength!(w, no_vector, {
+                            let m = &answers[w];
+                            scaled_vector([m[0][0], m[1][0], m[2][0], m[3][0]], weight)
+                        }),
+                    },
+                }
+            }
+        }
+    }
+
+    /// `a` where the mask holds, elsewhere `b`.
+    #[inline(always)]
+    pub(super) fn select(mask: R::M, a: &Self, b: &Self) -> Self {
+        let no_vector = [R::zero(); 4];
+        if let (
+            Throughputs::Product {
+                axis,
+                columns,
+                rows,
+            },
+            Throughputs::Product {
+                axis: other_axis,
+                columns: other_columns,
+                rows: other_rows,
+            },
+        ) = (a, b)
+        {
+            return Throughputs::Product {
+                axis: V3::select(mask, *axis, *other_axis),
+                columns: each_wavelength!(
+                    w,
+                    no_vector,
+                    select_four(mask, &columns[w], &other_columns[w])
+                ),
+                rows: each_wavelength!(w, no_vector, select_four(mask, &rows[w], &other_rows[w])),
+            };
+        }
+        let ((axis, a), (other_axis, b)) = (a.whole(), b.whole());
+        Throughputs::Whole {
+            axis: V3::select(mask, axis, other_axis),
+            matrices: each_wavelength!(w, [no_vector; 4], {
+                let mut chosen = b[w];
+                for (to, a) in chosen.iter_mut().zip(&a[w]) {
+                    *to = select_four(mask, a, to);
+                }
+                chosen
+            }),
+        }
+    }
+
+    /// See [`Abreast::kind`](super::Abreast::kind).
+    #[inline(always)]
+    pub(super) fn kind(&self) -> usize {
+        match self {
+            Throughputs::Unit { .. } => UNIT,
+            Throughputs::Whole { .. } => WHOLE,
+            Throughputs::Product { .. } => PRODUCT,
+            Throughputs::Column { .. } => COLUMN,
+        }
+    }
+
+    /// See [`Abreast::taken`](super::Abreast::taken).
+    #[inline(always)]
+    pub(super) fn taken<const ROWS: usize>(
+        rows: &Rows<ROWS>,
+        row: usize,
+        columns: Columns<R>,
+        kind: usize,
+    ) -> Self {
+        let none = [R::zero(); 4];
+        if kind == COLUMN {
+            return Throughputs::Column {
+                columns: each_wavelength!(w, none, four(rows, row + 4 * w, columns)),
+            };
+        }
+        let (axis, row) = (rows.vector(row, columns), row + 3);
+        match kind {
+            UNIT => Throughputs::Unit { axis },
+            PRODUCT => Throughputs::Product {
+                axis,
+                columns: each_wavelength!(w, none, four(rows, row + 8 * w, columns)),
+                rows: each_wavelength!(w, none, four(rows, row + 8 * w + 4, columns)),
+            },
+            _ => Throughputs::Whole {
+                axis,
+                matrices: each_wavelength!(w, [none; 4], {
+                    let mut matrix = [none; 4];
+                    for (k, column) in matrix.iter_mut().enumerate() {
+                        *column = four(rows, row + 16 * w + 4 * k, columns);
+                    }
+                    matrix
+                }),
+            },
+        }
+    }
+
+    /// See [`Abreast::taken_for_unpolarized`](super::Abreast::taken_for_unpolarized).
+    #[inline(always)]
+    pub(super) fn taken_for_unpolarized<const ROWS: usize>(
+        rows: &Rows<ROWS>,
+        row: usize,
+        columns: Columns<R>,
+        kind: usize,
+    ) -> Self {
+        let none = [R::zero(); 4];
+        Throughputs::Column {
+            columns: each_wavelength!(w, none, {
+                match kind {
+                    UNIT => [R::one(), R::zero(), R::zero(), R::zero()],
+                    COLUMN => four(rows, row + 4 * w, columns),
+                    PRODUCT => scaled_vector(
+                        four(rows, row + 3 + 8 * w, columns),
+                        rows.get(row + 3 + 8 * w + 4, columns),
+                    ),
+                    _ => four(rows, row + 3 + 16 * w, columns),
+                }
+            }),
+        }
+    }
+
+    /// See [`Abreast::put`](super::Abreast::put).
+    #[inline(always)]
+    pub(super) fn put<const ROWS: usize>(
+        &self,
+        rows: &mut Rows<ROWS>,
+        row: usize,
+        columns: Packed<R>,
+    ) {
+        match self {
+            Throughputs::Unit { axis } => rows.put_vector(row, columns, *axis),
+            Throughputs::Whole { axis, matrices } => {
+                rows.put_vector(row, columns, *axis);
+                for (k, column) in matrices.as_flattened().iter().enumerate() {
+                    put_four(rows, row + 3 + 4 * k, columns, column);
+                }
+            }
+            Throughputs::Product {
+                axis,
+                columns: own,
+                rows: factors,
+            } => {
+                rows.put_vector(row, columns, *axis);
+                for (w, (column, factor)) in own.iter().zip(factors).enumerate() {
+                    put_four(rows, row + 3 + 8 * w, columns, column);
+                    put_four(rows, row + 3 + 8 * w + 4, columns, factor);
+                }
+            }
+            Throughputs::Column { columns: own } => {
+                for (w, column) in own.iter().enumerate() {
+                    put_four(rows, row + 4 * w, columns, column);
+                }
+            }
+        }
+    }
+
+    /// See [`Light::sight`](crate::light::Light::sight).
+    #[inline(always)]
+    pub(super) fn sights(&self) -> Sights<R> {
+        let mut sums = [R::zero(); 3];
+        let own = match self {
+            Throughputs::Unit { axis } => return Sights::blind(*axis),
+            // any axis will do
+            Throughputs::Column { .. } => return Sights::blind(V3::splat(Vec3A::X)),
+            Throughputs::Whole { axis, matrices } => {
+                for m in matrices {
+                    for (sum, column) in sums.iter_mut().zip(m) {
+                        *sum = *sum + column[0];
+                    }
+                }
+                *axis
+            }
+            Throughputs::Product {
+                axis,
+                columns,
+                rows,
+            } => {
+                for (column, row) in columns.iter().zip(rows) {
+                    for (sum, factor) in sums.iter_mut().zip(row) {
+                        *sum = *sum + column[0] * *factor;
+                    }
+                }
+                *axis
+            }
+        };
+        let [all, a, b] = sums;
+        let inverse = all.recip();
+        let (a, b) = (a * inverse, b * inverse);
+        // at most 1 long; blind where nothing is seen
+        let squared = a * a + b * b;
+        let mut shrink = R::one();
+        if squared.gt(R::one()).any() {
+            shrink = squared.sqrt().max(R::one()).recip();
+        }
+        let known = all.gt(R::zero());
+        Sights {
+            axis: own,
+            linear: [(a * shrink).only(known), (b * shrink).only(known)],
+        }
+    }
+
+    /// Times a number a path.
+    #[inline(always)]
+    pub(super) fn scaled(&self, weight: R) -> Self {
+        let none = [R::zero(); 4];
+        match self {
+            Throughputs::Column { columns } => Throughputs::Column {
+                columns: each_wavelength!(w, none, scaled_vector(columns[w], weight)),
+            },
+            Throughputs::Product {
+                axis,
+                columns,
+                rows,
+            } => Throughputs::Product {
+                axis: *axis,
+                columns: *columns,
+                rows: each_wavelength!(w, none, scaled_vector(rows[w], weight)),
+            },
+            Throughputs::Unit { .. } | Throughputs::Whole { .. } => {
+                let (axis, mut matrices) = self.whole();
+                for column in matrices.as_flattened_mut() {
+                    *column = scaled_vector(*column, weight);
+                }
+                Throughputs::Whole { axis, matrices }
+            }
+        }
+    }
+}
