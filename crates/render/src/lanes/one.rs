@@ -134,7 +134,10 @@ impl Real for f32 {
     }
     #[inline(always)]
     fn round(self) -> Self {
-        Self::round_ties_even(self)
+        // the library's would be a call: from 2²³ on there are only integers, and sums are rounded to them
+        let (size, whole) = (Self::abs(self), 8_388_608.0);
+        let near = (size + whole) - whole;
+        Self::copysign(if size < whole { near } else { size }, self)
     }
     #[inline(always)]
     fn copysign(self, sign: Self) -> Self {

@@ -177,6 +177,11 @@ fn rough_matter_is_the_same_side_by_side() {
     }
 }
 
+/// A lamp of all kinds of polarization, to the right.
+const POLARIZED: &str = "<shape type='sphere'><point name='center' x='1.5' y='1' z='0.5'/>
+    <float name='radius' value='0.4'/><emitter type='area'><float name='radiance' value='5'/>
+    <string name='stokes' value='1, 0.5, 0.5, 0.5'/></emitter></shape>";
+
 const COLOURS: &str = "<rgb name='diffuse_reflectance' value='0.7, 0.4, 0.1'/>
     <rgb name='specular_reflectance' value='0.5, 0.9, 0.7'/>";
 
@@ -204,12 +209,12 @@ fn of_plastic() -> Vec<String> {
         ("plastic", thin.to_owned()),
     ]
     .iter()
-    .map(|(kind, more)| ball(&bsdf(kind, more)))
+    .map(|(kind, more)| ball(&bsdf(kind, more)) + POLARIZED)
     .collect();
     // from behind one side is dark, and two sides are not
     let turned = |matter: &str| {
         format!(
-            "<shape type='rectangle'><transform name='to_world'><rotate y='1' angle='200'/></transform>{matter}</shape>{LAMP}{SKY}"
+            "<shape type='rectangle'><transform name='to_world'><rotate y='1' angle='200'/></transform>{matter}</shape>{LAMP}{SKY}{POLARIZED}"
         )
     };
     all.push(turned(&bsdf("pplastic", "")));
