@@ -5,7 +5,10 @@
 //!
 //! Source: Ernst, Stamminger, Greiner, Filter Importance Sampling, IEEE Symposium on Interactive Ray Tracing 2006.
 
-use crate::lanes::{Bits, Real};
+use std::num::Wrapping;
+
+use crate::lanes::{Bits, MOST, Mask, Real, each};
+
 /// A separable filter, by the name of Mitsuba's plugin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Filter {
@@ -94,41 +97,45 @@ impl FilterSampler {
         Self { filter, distance }
     }
 
-    /// Positions along one axis of the film, one a lane: see [`FilterSampler::position`].
+    /// A position along one axis of the film, drawn around the centre of `pixel` within `[first, last]` pixels.
+    #[inline]
+    pub fn position(&self, pixel: u32, u: f32, first: u32, last: u32) -> f32 {
+        self.positions(Wrapping(pixel), u, first, last)
+    }
+
+    /// The same, a position a lane.
     #[inline(always)]
     pub fn positions<R: Real>(&self, pixels: R::B, u: R, first: u32, last: u32) -> R {
         if self.distance.is_empty() {
             return R::of_int(pixels) + u;
         }
-        let (pixels, u) = (pixels.lanes(), u.lanes());
-        R::from_fn(|lane| self.position(pixels[lane], u[lane], first, last))
-    }
-
-    /// A position along one axis of the film, drawn around the centre of `pixel` within `[first, last]` pixels.
-    #[inline]
-    pub fn position(&self, pixel: u32, u: f32, first: u32, last: u32) -> f32 {
-        if self.distance.is_empty() {
-            return pixel as f32 + u;
-        }
-        let centre = pixel as f32 + 0.5;
-        let radius = self.filter.radius();
-        let (low, high) = (first as f32 - centre, last as f32 - centre);
-        let u = if low > -radius || high < radius {
+        let (half, one) = (R::splat(0.5), R::one());
+        let (first, last) = (first as f32, last as f32);
+        let centre = R::of_int(pixels) + half;
+        let radius = R::splat(self.filter.radius());
+        let (low, high) = (R::splat(first) - centre, R::splat(last) - centre);
+        let cut = low.gt(-radius) | high.lt(radius);
+        let mut u = u;
+        if cut.any() {
             // only the part of the filter that lies on the film
-            let (a, b) = (
-                self.filter.cumulative(low) as f32,
-                self.filter.cumulative(high) as f32,
-            );
-            a + u * (b - a)
-        } else {
-            u
-        };
-        let tail = u.min(1.0 - u).max(0.0);
-        let place = (2.0 * tail).sqrt() * STEPS as f32;
-        let step = (place as usize).min(STEPS - 1);
-        let [outer, inner] = [self.distance[step], self.distance[step + 1]];
-        let distance = outer + (inner - outer) * (place - step as f32);
-        (centre + distance.copysign(u - 0.5)).clamp(first as f32, last as f32)
+            let (low, high) = (low.lanes(), high.lanes());
+            let (mut from, mut to) = ([0.0; MOST], [0.0; MOST]);
+            each(cut.bits(), |lane| {
+                from[lane] = self.filter.cumulative(low[lane]) as f32;
+                to[lane] = self.filter.cumulative(high[lane]) as f32;
+            });
+            let (from, to) = (R::load(&from, 0), R::load(&to, 0));
+            u = R::select(cut, from + u * (to - from), u);
+        }
+        let tail = u.min(one - u).max(R::zero());
+        let place = (tail + tail).sqrt() * R::splat(STEPS as f32);
+        let step = place.min(R::splat((STEPS - 1) as f32)).to_int();
+        let outer = R::gather(&self.distance, step);
+        let inner = R::gather(&self.distance, step + R::B::splat(1));
+        let distance = outer + (inner - outer) * (place - R::of_int(step));
+        (centre + distance.copysign(u - half))
+            .max(R::splat(first))
+            .min(R::splat(last))
     }
 }
 
