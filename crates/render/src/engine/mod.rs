@@ -249,6 +249,9 @@ impl Rendering {
     }
 }
 
+/// Samples of the first pass, of all pixels together, if that is more than one each.
+const BEGINNING: u64 = 1 << 18;
+
 /// Renders until all samples are taken, a limit is met or `stop` is set; `report` hears of every pass.
 pub fn render(
     job: &Job,
@@ -277,7 +280,11 @@ pub fn render(
         Some(spread) => spread.next(&rendering.tiles),
         None => Some(Spread::uniform(job)),
     };
-    let mut most = 1;
+    // unless time is short, small films begin with some samples: every pass has to open and close each pixel
+    let mut most = match limits.time {
+        Some(_) => 1,
+        None => (BEGINNING / job.film.pixels()).max(1),
+    };
     let benches = Benches::new(job);
     'work: while let Some(current) = &goals {
         loop {

@@ -23,6 +23,16 @@ pub enum Columns<R: Real> {
 }
 
 impl<R: Real> Columns<R> {
+    /// Those that lanes name.
+    #[inline(always)]
+    pub fn named(columns: R::B) -> Self {
+        let first = columns.lanes()[0];
+        let following = R::B::from_fn(|lane| first.wrapping_add(lane as u32));
+        if R::same(columns, following).bits() == R::everywhere().bits() {
+            return Self::From(first as usize);
+        }
+        Self::Each(columns)
+    }
     /// Those of a list, in ascending order; lanes beyond its end read what they like.
     #[inline(always)]
     pub fn listed(list: &[u32]) -> Self {

@@ -7,7 +7,7 @@ use glam::Vec3A;
 use super::bundle::Seen;
 use super::{BLIND, Lights};
 use crate::emitter::Emitter;
-use crate::lanes::{MOST, Mask, Real, V3, each};
+use crate::lanes::{Bits, MOST, Mask, Real, V3, each};
 
 impl Seen {
     /// See [`Seen::irradiance`].
@@ -122,32 +122,28 @@ impl<R: Real> Chances<R> {
 
     /// Draws a source a lane: its number, and with which chance. There must be one.
     #[inline(always)]
-    pub fn draw(
-        &self,
-        lights: &Lights,
-        emitters: &[Emitter],
-        u: R,
-        lanes: R::M,
-    ) -> ([u32; MOST], R) {
-        let mut numbers = [0; MOST];
+    pub fn draw(&self, lights: &Lights, emitters: &[Emitter], u: R, lanes: R::M) -> (R::B, R) {
         if self.count == 1 {
-            return (numbers, R::one());
+            return (R::B::splat(0), R::one());
         }
         if let Some(from) = &self.from {
-            let mut chances = [1.0; MOST];
+            let (mut numbers, mut chances) = ([0; MOST], [1.0; MOST]);
             let u = u.lanes();
             each(lanes.bits(), |lane| {
                 if let Some(drawn) = lights.choose(emitters, from[lane], u[lane]) {
                     (numbers[lane], chances[lane]) = drawn;
                 }
             });
-            return (numbers, R::from_fn(|lane| chances[lane]));
+            return (
+                R::B::from_fn(|lane| numbers[lane]),
+                R::from_fn(|lane| chances[lane]),
+            );
         }
         let blind = u.lt(R::splat(BLIND));
         let rest = (u - R::splat(BLIND)) * R::splat((1.0 - BLIND).recip());
         let place = u * R::splat(self.count as f32 / BLIND);
         let (mut sum, mut chance) = (R::zero(), R::zero());
-        let mut open = R::everywhere();
+        let (mut open, mut numbers) = (R::everywhere(), R::B::splat(0));
         // the last with any chance takes what rounding leaves
         for k in 0..self.count {
             let own = self.each[k];
@@ -156,7 +152,7 @@ impl<R: Real> Chances<R> {
             let stops = (blind & place.lt(reached)) | (!blind & rest.lt(sum));
             let takes = open & ((!blind & own.gt(R::zero())) | (blind & stops));
             chance = R::select(takes, own, chance);
-            each((takes & lanes).bits(), |lane| numbers[lane] = k as u32);
+            numbers = R::select_bits(takes, R::B::splat(k as u32), numbers);
             open = open & !stops;
         }
         (numbers, self.mixed(chance))

@@ -12,7 +12,7 @@ use crate::shape::Shape;
 use crate::shape::abreast::{Hits, Rays, Shears, Surfaces};
 
 /// No emitter.
-pub const NONE: u32 = u32::MAX;
+const NONE: u32 = u32::MAX;
 
 /// As many shapes are tested one by one.
 pub(super) const FEW: usize = 24;
@@ -94,9 +94,17 @@ pub struct Encounters<R: Real> {
     /// Where.
     pub surfaces: Surfaces<R>,
     /// Index of the matter.
-    pub materials: [u32; MOST],
+    pub materials: R::B,
     /// Index of the emitter, or [`NONE`].
-    pub emitters: [u32; MOST],
+    pub emitters: R::B,
+}
+
+impl<R: Real> Encounters<R> {
+    /// Where the surface belongs to an emitter.
+    #[inline(always)]
+    pub fn shine(&self) -> R::M {
+        !R::same(self.emitters, R::B::splat(NONE))
+    }
 }
 
 /// Lanes with the same number, one number after the other.
@@ -108,11 +116,11 @@ pub struct Groups<R: Real> {
 
 /// The groups of some lanes.
 #[inline(always)]
-pub fn groups<R: Real>(numbers: &[u32; MOST], lanes: u32) -> Groups<R> {
+pub fn groups<R: Real>(numbers: R::B, lanes: R::M) -> Groups<R> {
     Groups {
-        numbers: R::B::from_fn(|lane| numbers[lane]),
-        each: *numbers,
-        rest: lanes,
+        numbers,
+        each: numbers.lanes(),
+        rest: lanes.bits(),
     }
 }
 
@@ -192,8 +200,8 @@ impl Scene {
         Encounters {
             exist: R::M::from_bits(exist),
             surfaces: gathered(&vectors),
-            materials,
-            emitters,
+            materials: R::B::from_fn(|lane| materials[lane]),
+            emitters: R::B::from_fn(|lane| emitters[lane]),
         }
     }
 
@@ -303,10 +311,9 @@ impl Scene {
                 n: nothing,
             },
         };
-        let mut materials = [0; MOST];
-        let mut emitters = [NONE; MOST];
-        for (number, mask) in groups::<R>(&numbers.lanes(), exist.bits()) {
-            let group = mask.bits();
+        let mut materials = R::B::splat(0);
+        let mut emitters = R::B::splat(NONE);
+        for (number, mask) in groups::<R>(numbers, exist) {
             let found = match &self.shapes[number as usize] {
                 Shape::Rectangle(s) => s.surfaces(u, v),
                 Shape::Sphere(s) => s.surfaces(rays, t),
@@ -314,7 +321,7 @@ impl Scene {
                 shape => {
                     let mut vectors = [[Vec3A::Z; MOST]; 6];
                     let (rays, t, u, v) = (rays.lanes(), t.lanes(), u.lanes(), v.lanes());
-                    each(group, |lane| {
+                    each(mask.bits(), |lane| {
                         let s = shape.surface(&rays[lane], (t[lane], u[lane], v[lane]));
                         let all = [
                             s.position, s.error, s.normal, s.frame.s, s.frame.t, s.frame.n,
@@ -328,10 +335,9 @@ impl Scene {
             };
             surfaces = Surfaces::select(mask, &found, &surfaces);
             let owner = &self.shape_owners[number as usize];
-            each(group, |lane| {
-                materials[lane] = owner.material;
-                emitters[lane] = owner.emitter.unwrap_or(NONE);
-            });
+            materials = R::select_bits(mask, R::B::splat(owner.material), materials);
+            let emitter = R::B::splat(owner.emitter.unwrap_or(NONE));
+            emitters = R::select_bits(mask, emitter, emitters);
         }
         Encounters {
             exist,

@@ -2,17 +2,15 @@
 
 use glam::Vec3A;
 
-use super::waiting::{
-    DENSITY, DEPARTURE, LAST, LIT, Paths, SAMPLE, THROUGHPUT, WEIGHED, wavelengths,
-};
+use super::waiting::{DENSITY, DEPARTURE, LAST, LIT, Paths, SAMPLE, THROUGHPUT, WEIGHED};
 use super::{Link, count, side};
 use crate::emitter::abreast::Connections;
-use crate::lanes::{Axes, Columns, MOST, Mask, Real, V3, each, part};
+use crate::lanes::{Axes, Bits, Columns, Mask, Real, V3, each, part};
 use crate::light::abreast::{Abreast, Shine, Sights};
 use crate::material::Material;
 use crate::material::abreast::Vertices;
 use crate::scene::Scene;
-use crate::scene::abreast::{Encounters, NONE, groups};
+use crate::scene::abreast::{Encounters, groups};
 use crate::shape::abreast::{Rays, Surfaces, offset_origins};
 
 #[inline(always)]
@@ -72,7 +70,7 @@ pub(super) struct Looked<R: Real, V> {
 }
 
 part!(AddSources<'a, 'b; R, L: Abreast>(link: &'a mut Link<'b, L::Stokes>, place: (usize, Columns<R>),
-    rays: &'a Rays<R>, met: &'a Encounters<R>, numbers: &'a [u32; MOST], sources: u32) -> (): Link::<L::Stokes>::add_sources::<R, L>);
+    rays: &'a Rays<R>, met: &'a Encounters<R>, numbers: R::B, sources: R::M) -> (): Link::<L::Stokes>::add_sources::<R, L>);
 part!(PassOn<'a, 'b; R, L: Abreast>(link: &'a mut Link<'b, L::Stokes>, from: &'a Surfaces<R>,
     connections: &'a Connections<R>, wavelengths: &'a L::Values<R>, through: &'a mut L::Throughputs<R>, room: u32,
     lanes: R::M) -> R::M: Link::<L::Stokes>::pass_on::<R, L>);
@@ -143,22 +141,19 @@ impl<S> Link<'_, S> {
         let scene = self.scene;
         let front = rays.direction.dot(met.surfaces.normal).lt(R::zero());
         let mut numbers = met.emitters;
-        let mut sources = 0;
-        each((lanes & met.exist & front).bits(), |lane| {
-            sources |= u32::from(numbers[lane] != NONE) << lane;
-        });
-        let missed = (lanes & !met.exist).bits();
+        let mut sources = lanes & met.exist & front & met.shine();
+        let missed = lanes & !met.exist;
         if let Some(all_around) = scene.environment {
-            each(missed, |lane| numbers[lane] = all_around);
-            sources |= missed;
+            numbers = R::select_bits(missed, R::B::splat(all_around), numbers);
+            sources = sources | missed;
         }
-        if sources != 0 && show {
+        if show && sources.any() {
             R::apart(AddSources::<R, L> {
                 link: &mut *self,
                 place,
                 rays,
                 met,
-                numbers: &numbers,
+                numbers,
                 sources,
             });
         }
@@ -171,14 +166,14 @@ impl<S> Link<'_, S> {
         (kind, columns): (usize, Columns<R>),
         rays: &Rays<R>,
         met: &Encounters<R>,
-        numbers: &[u32; MOST],
-        sources: u32,
+        numbers: R::B,
+        sources: R::M,
     ) {
         let scene = self.scene;
         let k = -rays.direction;
         let rows = &self.front.banks[kind].paths;
         let sample = rows.get(SAMPLE, columns).bits();
-        let wavelengths = wavelengths::<R, L>(&self.front.samples, Columns::Each(sample));
+        let wavelengths = self.front.wavelengths::<R, L>(Columns::named(sample));
         let throughput = if self.front.polarized {
             L::taken(rows, THROUGHPUT, columns, kind)
         } else {
@@ -235,8 +230,9 @@ impl<S> Link<'_, S> {
             free = free | (open & !met.exist);
             open = open & met.exist;
             let mut flat = 0;
+            let materials = met.materials.lanes();
             each(open.bits(), |lane| {
-                let straight = scene.traits_of(met.materials[lane]).straight;
+                let straight = scene.traits_of(materials[lane]).straight;
                 flat |= u32::from(straight) << lane;
             });
             open = open & R::M::from_bits(flat);
@@ -248,7 +244,7 @@ impl<S> Link<'_, S> {
                 sights: Sights::blind(axes.s),
             };
             let behind = front.o.z.le(R::zero());
-            for (number, group) in groups::<R>(&met.materials, open.bits()) {
+            for (number, group) in groups::<R>(met.materials, open) {
                 let material = &scene.materials[number as usize];
                 for back in [false, true] {
                     let lanes = group & if back { behind } else { !behind };
@@ -309,7 +305,7 @@ pub(super) fn look<R: Real, L: Abreast>(
     let chances = scene.lights.chances(at.position);
     let (numbers, chance) = chances.draw(&scene.lights, &scene.emitters, choice, lanes);
     let mut all: Option<Looked<R, L::Values<R>>> = None;
-    for (number, mask) in groups::<R>(&numbers, lanes.bits()) {
+    for (number, mask) in groups::<R>(numbers, lanes) {
         let emitter = &scene.emitters[number as usize];
         let found = emitter.connections(scene, at.position, lit, u, mask);
         let k = -found.direction;

@@ -15,17 +15,17 @@ use glam::Vec3A;
 
 use super::{CHOICES, Counters, DIRECTION, FIRST_VERTEX, PER_VERTEX, POINT, PathOptions, ROULETTE};
 use crate::geometry::bvh::Stack;
-use crate::lanes::{Axes, Bits, Columns, Mask, Packed, Real, Rows, V3, each, part};
+use crate::lanes::{Axes, Bits, Columns, Mask, Packed, Real, Rows, V3, part};
 use crate::light::abreast::{Abreast, KINDS, Sights};
 use crate::material::Material;
 use crate::material::abreast::Vertices;
 use crate::sampler::Stream;
 use crate::scene::Scene;
-use crate::scene::abreast::{Encounters, NONE};
+use crate::scene::abreast::{Encounters, groups};
 use crate::shape::abreast::{Rays, Surfaces, offset_origins};
 use light::{Looked, look};
 use waiting::{
-    PATH_ROWS, Paths, SAMPLE_ROWS, STREAM, SURFACE_ROWS, THROUGHPUT, WAVELENGTHS, rays, wavelengths,
+    PATH_ROWS, Paths, SAMPLE_ROWS, STREAM, SURFACE_ROWS, THROUGHPUT, WAVELENGTHS, WAVES, rays,
 };
 
 /// Paths on their way, and room for them.
@@ -34,6 +34,8 @@ pub struct Wavefront {
     /// How many camera samples have begun.
     begun: usize,
     stratified: bool,
+    /// Their wavelengths, where all have the same.
+    same: Option<[f32; WAVES]>,
     /// Paths by the kind of their throughput.
     banks: [Bank; KINDS],
     waiting: Waiting,
@@ -94,13 +96,17 @@ impl Waiting {
     }
 
     #[inline(always)]
-    fn push(&mut self, list: List, path: u32) {
+    fn push<R: Real>(&mut self, list: List, first: usize, lanes: R::M) {
         let list = list.number();
         let paths = &mut self.lists[list];
-        if paths.is_empty() {
+        let before = paths.len();
+        if before == 0 {
             self.begun.push(list);
         }
-        paths.push(path);
+        // as many as lanes could be, of which the first ones stay
+        let places = R::order(lanes) + R::B::splat(first as u32);
+        paths.extend_from_slice(&places.lanes());
+        paths.truncate(before + lanes.bits().count_ones() as usize);
     }
 }
 
@@ -128,6 +134,7 @@ impl Wavefront {
             samples: Rows::default(),
             begun: 0,
             stratified: false,
+            same: None,
             banks: Default::default(),
             waiting: Waiting {
                 lists: vec![vec![]; 2 * KINDS * scene.materials.len()],
@@ -156,9 +163,14 @@ impl Wavefront {
         let columns = Packed::<R>::new(self.begun, R::everywhere());
         self.stratified = stream.stratified;
         stream.put(&mut self.samples, STREAM, columns);
+        let (mut own, mut same) = ([0.0; WAVES], true);
         for (w, value) in wavelengths.as_ref().iter().enumerate() {
             self.samples.put(WAVELENGTHS + w, columns, *value);
+            own[w] = value.lane(0);
+            same &= value.eq(R::splat(own[w])).bits() == R::everywhere().bits();
         }
+        let like_those_before = self.begun == 0 || self.same == Some(own);
+        self.same = (same && like_those_before).then_some(own);
         let first = self.begun as u32;
         let sample = R::B::from_fn(|lane| first + lane as u32);
         let unknown = V3::splat(Vec3A::Z);
@@ -182,6 +194,19 @@ impl Wavefront {
         .put(&mut bank.paths, columns, self.weighs);
         self.begun += count;
         bank.count = self.begun;
+    }
+
+    /// The wavelengths of camera samples.
+    #[inline(always)]
+    fn wavelengths<R: Real, L: Abreast>(&self, samples: Columns<R>) -> L::Values<R> {
+        let mut all = L::values(R::zero());
+        for (w, value) in all.as_mut().iter_mut().enumerate() {
+            *value = match &self.same {
+                Some(same) => R::splat(same[w]),
+                None => self.samples.get(WAVELENGTHS + w, samples),
+            };
+        }
+        all
     }
 
     /// How many paths are on their way.
@@ -296,18 +321,22 @@ impl<S> Link<'_, S> {
         }
         let rows = &mut self.front.banks[kind].met;
         met.surfaces.put(rows, Packed::new(first, R::everywhere()));
-        let behind = rays.direction.dot(met.surfaces.axes.n).gt(R::zero()).bits();
-        each(alive.bits(), |lane| {
-            let material = met.materials[lane];
-            if !scene.traits_of(material).black {
-                let list = List {
-                    material,
-                    back: behind >> lane & 1 == 1,
-                    kind,
-                };
-                self.front.waiting.push(list, (first + lane) as u32);
+        let behind = rays.direction.dot(met.surfaces.axes.n).gt(R::zero());
+        for (material, lanes) in groups::<R>(met.materials, alive) {
+            if scene.traits_of(material).black {
+                continue;
             }
-        });
+            for (back, lanes) in [(false, lanes & !behind), (true, lanes & behind)] {
+                if lanes.any() {
+                    let list = List {
+                        material,
+                        back,
+                        kind,
+                    };
+                    self.front.waiting.push::<R>(list, first, lanes);
+                }
+            }
+        }
     }
 
     /// Sends paths on, one kind of matter after the other.
@@ -355,9 +384,9 @@ impl<S> Link<'_, S> {
         };
         let mut paths = Paths::<R, L>::taken(rows, columns, throughput, weighs);
         let surfaces = Surfaces::taken(&bank.met, columns);
-        let of_samples = Columns::Each(paths.sample);
+        let of_samples = Columns::named(paths.sample);
         let stratified = self.front.stratified;
-        let wavelengths = wavelengths::<R, L>(&self.front.samples, of_samples);
+        let wavelengths = self.front.wavelengths::<R, L>(of_samples);
         let dimension = FIRST_VERTEX + PER_VERTEX * (depth - 1);
         let mut alive = lanes;
         let long = depth > self.options.rr_depth;
@@ -466,25 +495,19 @@ impl<S> Link<'_, S> {
     #[inline(always)]
     fn look_beyond<R: Real>(&mut self, rays: &mut Rays<R>, met: &mut Encounters<R>, lanes: R::M) {
         loop {
-            let mut shining = 0;
-            each((lanes & met.exist).bits(), |lane| {
-                shining |= u32::from(met.emitters[lane] != NONE) << lane;
-            });
-            if shining == 0 {
+            let lanes = lanes & met.exist & met.shine();
+            if !lanes.any() {
                 return;
             }
-            self.counters.rays += count(shining);
-            let lanes = R::M::from_bits(shining);
+            self.counters.rays += count(lanes.bits());
             let s = &met.surfaces;
             let origin = offset_origins(s.position, s.error, s.normal, rays.direction);
             rays.origin = V3::select(lanes, origin, rays.origin);
             let behind = self.scene.meet(rays, lanes, self.stack);
             met.exist = (met.exist & !lanes) | (behind.exist & lanes);
             met.surfaces = Surfaces::select(lanes, &behind.surfaces, &met.surfaces);
-            each(shining, |lane| {
-                met.materials[lane] = behind.materials[lane];
-                met.emitters[lane] = behind.emitters[lane];
-            });
+            met.materials = R::select_bits(lanes, behind.materials, met.materials);
+            met.emitters = R::select_bits(lanes, behind.emitters, met.emitters);
         }
     }
 }

@@ -110,19 +110,6 @@ pub(super) fn rays<R: Real>(rows: &Rows<PATH_ROWS>, columns: Columns<R>) -> Rays
     }
 }
 
-/// The wavelengths of camera samples.
-#[inline(always)]
-pub(super) fn wavelengths<R: Real, L: Abreast>(
-    rows: &Rows<SAMPLE_ROWS>,
-    columns: Columns<R>,
-) -> L::Values<R> {
-    let mut all = L::values(R::zero());
-    for (w, value) in all.as_mut().iter_mut().enumerate() {
-        *value = rows.get(WAVELENGTHS + w, columns);
-    }
-    all
-}
-
 impl<R: Real> Surfaces<R> {
     #[inline(always)]
     pub(super) fn put(&self, rows: &mut Rows<SURFACE_ROWS>, columns: Packed<R>) {
