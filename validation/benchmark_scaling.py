@@ -23,8 +23,9 @@ LAMPS = [1, 3, 10, 30, 100, 300, 1000]
 BANDS = [1, 2, 4, 8, 16, 32, 64]
 # measured over bands: plain numbers, and matter whose indices follow the wavelength
 COLOURED = ["rough_conductor", "cornell_spectral"]
-# samples a pixel
+# samples a pixel; of threads more, since renderings of a twentieth of a second do not tell
 SPP = 16
+THREADS_SPP = 128
 
 
 def polarization(scenes: list[str], turns: int) -> list[Row]:
@@ -53,7 +54,7 @@ def threads(scenes: list[str], turns: int) -> list[Row]:
         for scene in scenes:
             file = SCENES / scene / "scene.xml"
             for turn in range(turns):
-                options = [*SIZE, "--spp", str(2 * SPP)]
+                options = [*SIZE, "--spp", str(THREADS_SPP)]
                 one = alone(file, folder, *options, "--threads", str(cores))
                 many = side_by_side(cores, file, folder, *options, "--threads", "1")
                 row = {"scene": scene, "turn": turn, "threads": cores}

@@ -259,6 +259,7 @@ pub fn render(
     stop: &AtomicBool,
     mut report: impl FnMut(Progress<'_>),
 ) -> Rendering {
+    let (start, cpu_start) = (Instant::now(), ProcessTime::now());
     let filter = FilterSampler::new(job.film.filter);
     let colours = job.mode.colours();
     let mut rendering = Rendering {
@@ -274,7 +275,6 @@ pub fn render(
         cpu: Duration::ZERO,
         interrupted: false,
     };
-    let (start, cpu_start) = (Instant::now(), ProcessTime::now());
     let mut spread = rendering.adaptive.then(|| Spread::new(job, &limits));
     let mut goals = match &mut spread {
         Some(spread) => spread.next(&rendering.tiles),

@@ -5,6 +5,7 @@
 mod sums;
 
 use glam::Vec4;
+use rayon::prelude::*;
 pub use sums::{PixelSums, Run, TileSums};
 
 use crate::colour::{FIRST_NM, LAST_NM, grey_weights, rgb_weights};
@@ -98,11 +99,11 @@ impl FilmGeometry {
     /// Empty tiles that cover the crop window, from left to right and from top to bottom.
     pub fn tiles(&self, colours: usize, coherence: bool) -> Vec<TileSums> {
         let [width, height] = self.crop_size;
-        let corners = (0..height)
-            .step_by(TILE as usize)
-            .flat_map(|y| (0..width).step_by(TILE as usize).map(move |x| [x, y]));
-        corners
-            .map(|[x, y]| {
+        let columns = width.div_ceil(TILE);
+        (0..columns * height.div_ceil(TILE))
+            .into_par_iter()
+            .map(|tile| {
+                let [x, y] = [tile % columns * TILE, tile / columns * TILE];
                 let size = [TILE.min(width - x), TILE.min(height - y)];
                 TileSums::new([x, y], size, (colours, self.products, coherence))
             })

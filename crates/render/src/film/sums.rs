@@ -99,6 +99,12 @@ pub struct PixelSums<'a> {
     products: &'a [Products],
 }
 
+/// So many zeros that have been written: memory that is only promised, as `vec!` has it, interrupts all threads when the
+/// first of them writes there.
+fn written<T: Copy>(zeros: T, count: usize) -> Vec<T> {
+    std::iter::repeat_n(zeros, count).collect()
+}
+
 impl TileSums {
     pub(super) fn new(
         corner: [u32; 2],
@@ -118,8 +124,8 @@ impl TileSums {
             runs: vec![none; pixels],
             past_blocks: Vec::new(),
             past: Vec::new(),
-            sums: vec![[0.0; 12]; pixels * colours],
-            products: vec![[0.0; 6]; pixels * colours * usize::from(products)],
+            sums: written([0.0; 12], pixels * colours),
+            products: written([0.0; 6], pixels * colours * usize::from(products)),
             coherence: vec![CoherenceSums::default(); pixels * usize::from(coherence)],
         }
     }

@@ -8,6 +8,8 @@
 
 mod light;
 #[cfg(test)]
+mod precision;
+#[cfg(test)]
 mod tests;
 mod waiting;
 

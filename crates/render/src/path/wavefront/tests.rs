@@ -14,7 +14,7 @@ use crate::sampler::{PixelStream, Stream};
 use crate::scene::{BuiltScene, Overrides, build, read_text};
 use crate::sensor::Camera;
 
-fn built(content: &str) -> BuiltScene {
+pub(super) fn built(content: &str) -> BuiltScene {
     let text = format!(
         "<scene version='3.0.0'><integrator type='path'><integer name='max_depth' value='6'/></integrator>
             <sensor type='perspective'><transform name='to_world'>
@@ -27,7 +27,7 @@ fn built(content: &str) -> BuiltScene {
     build(&document, Overrides::default()).expect("a scene")
 }
 
-const SAMPLES: u64 = 4096;
+pub(super) const SAMPLES: u64 = 4096;
 const BLOCK: u64 = 16;
 
 /// Wavelengths, nm, of which a path carries the first ones.
@@ -35,7 +35,7 @@ const WAVELENGTHS: [f32; 4] = [550.0, 450.0, 620.0, 500.0];
 
 /// The light of samples of one pixel, in the order of their numbers, each wavelength of its own.
 #[derive(Clone, Copy)]
-struct Samples<'a, L>(&'a BuiltScene, PhantomData<L>);
+pub(super) struct Samples<'a, L>(pub(super) &'a BuiltScene, pub(super) PhantomData<L>);
 
 impl<L: Abreast> Task for Samples<'_, L> {
     type Output = Vec<Vec4>;
@@ -152,28 +152,50 @@ fn ball(bsdf: &str) -> String {
     format!("<shape type='sphere'><float name='radius' value='0.9'/>{bsdf}</shape>{LAMP}{SKY}")
 }
 
-#[test]
-fn smooth_matter_is_the_same_side_by_side() {
-    for bsdf in [
-        "<bsdf type='dielectric'/>",
-        "<bsdf type='conductor'><string name='material' value='Au'/></bsdf>",
-        "<bsdf type='plastic'/>",
-    ] {
-        compare(&ball(bsdf));
-    }
+/// Scenes with smooth matter; in some its light is polarized again after the matte floor, and by lamps.
+pub(super) fn of_smooth_matter() -> Vec<String> {
+    let gold = "<bsdf type='conductor'><string name='material' value='Au'/></bsdf>";
+    let mirror = format!(
+        "<shape type='rectangle'><transform name='to_world'><scale value='2'/><translate z='-1.5'/></transform>{gold}</shape>"
+    );
+    ["<bsdf type='dielectric'/>", gold, "<bsdf type='plastic'/>"]
+        .iter()
+        .flat_map(|bsdf| {
+            [
+                ball(bsdf),
+                ball(bsdf) + POLARIZED,
+                ball(bsdf) + POLARIZED + &mirror,
+            ]
+        })
+        .collect()
 }
 
 #[test]
-fn rough_matter_is_the_same_side_by_side() {
-    for bsdf in [
+fn smooth_matter_is_the_same_side_by_side() {
+    for content in of_smooth_matter() {
+        compare(&content);
+    }
+}
+
+/// Scenes with rough matter.
+pub(super) fn of_rough_matter() -> Vec<String> {
+    [
         "<bsdf type='roughconductor'><float name='alpha' value='0.3'/></bsdf>",
         "<bsdf type='roughconductor'><string name='distribution' value='ggx'/><float name='alpha_u' value='0.1'/>
             <float name='alpha_v' value='0.4'/></bsdf>",
         "<bsdf type='roughconductor'><boolean name='sample_visible' value='false'/><float name='alpha' value='0.3'/></bsdf>",
         "<bsdf type='roughdielectric'><float name='alpha' value='0.3'/></bsdf>",
         "<bsdf type='twosided'><bsdf type='roughplastic'/></bsdf>",
-    ] {
-        compare(&ball(bsdf));
+    ]
+    .iter()
+    .map(|bsdf| ball(bsdf))
+    .collect()
+}
+
+#[test]
+fn rough_matter_is_the_same_side_by_side() {
+    for content in of_rough_matter() {
+        compare(&content);
     }
 }
 
@@ -186,7 +208,7 @@ const COLOURS: &str = "<rgb name='diffuse_reflectance' value='0.7, 0.4, 0.1'/>
     <rgb name='specular_reflectance' value='0.5, 0.9, 0.7'/>";
 
 /// Scenes with everything that plastics can be made of.
-fn of_plastic() -> Vec<String> {
+pub(super) fn of_plastic() -> Vec<String> {
     let bsdf = |kind: &str, more: &str| format!("<bsdf type='{kind}'>{COLOURS}{more}</bsdf>");
     let ggx = "<string name='distribution' value='ggx'/>";
     let along = "<float name='alpha_u' value='0.1'/><float name='alpha_v' value='0.4'/>";
@@ -241,8 +263,8 @@ fn colours_of_plastics_are_the_same_side_by_side() {
     }
 }
 
-#[test]
-fn light_through_plates_is_the_same_side_by_side() {
+/// Scenes with plates that light goes straight through.
+pub(super) fn of_plates() -> Vec<String> {
     let plate = |bsdf: &str, z: f64| {
         format!(
             "<shape type='rectangle'><transform name='to_world'><translate z='{z}'/></transform>{bsdf}</shape>"
@@ -252,8 +274,18 @@ fn light_through_plates_is_the_same_side_by_side() {
     let retarder = "<bsdf type='retarder'><float name='theta' value='70'/><float name='delta' value='100'/></bsdf>";
     let circular = "<bsdf type='circular'/>";
     let all = plate(polarizer, 1.0) + &plate(retarder, 0.5) + &plate(circular, 0.0);
-    compare(&format!("{all}{LAMP}{SKY}"));
-    compare(&format!("{all}{LAMP}{}", plate("<bsdf type='null'/>", 1.5)));
+    vec![
+        format!("{all}{LAMP}{SKY}"),
+        format!("{all}{LAMP}{}", plate("<bsdf type='null'/>", 1.5)),
+        format!("{all}{LAMP}{POLARIZED}"),
+    ]
+}
+
+#[test]
+fn light_through_plates_is_the_same_side_by_side() {
+    for content in of_plates() {
+        compare(&content);
+    }
 }
 
 #[test]
