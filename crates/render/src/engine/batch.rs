@@ -6,7 +6,7 @@ use super::Job;
 use super::spread::{Goal, Goals};
 use super::worker::{PER_SAMPLE, Taken, listen, pixel_number};
 use crate::colour::sample_wavelength;
-use crate::film::{SampleColours, SampleSums, SpectralMode, TileSums};
+use crate::film::{Colours, SampleSums, SpectralMode, TileSums};
 use crate::filter::FilterSampler;
 use crate::geometry::bvh::Stack;
 use crate::lanes::{Bits, COLUMNS, MOST, Real, Task};
@@ -60,7 +60,7 @@ pub(super) struct Batch {
     front: Wavefront,
     /// Wavelengths that were drawn, in nm, and their densities.
     drawn: Vec<[(f32, f32); PER_SAMPLE]>,
-    colours: Vec<SampleColours>,
+    colours: Colours,
     open: SampleSums,
 }
 
@@ -80,7 +80,7 @@ impl Batch {
             stratified: false,
             front: Wavefront::new(&job.scene),
             drawn: vec![[(0.0, 0.0); PER_SAMPLE]; room],
-            colours: vec![SampleColours::new(colours); room],
+            colours: Colours::new(colours, room),
             open: SampleSums::new(colours),
         })
     }
@@ -210,9 +210,7 @@ impl<L: Abreast> Pass<'_, L> {
     #[inline(always)]
     fn trace<R: Real>(&mut self, count: usize, sums: &mut [L::Stokes], taken: &mut Taken) {
         let job = self.job;
-        for colours in &mut self.batch.colours[..count] {
-            colours.clear();
-        }
+        self.batch.colours.clear(count);
         let one = job.plan.wavelengths == Wavelengths::One;
         let paths = match &job.mode {
             SpectralMode::Bands { count, .. } if !one => count.div_ceil(L::LANES),
@@ -309,8 +307,8 @@ impl<L: Abreast> Pass<'_, L> {
         let job = self.job;
         let one = job.plan.wavelengths == Wavelengths::One;
         let batch = &mut *self.batch;
-        for ((colours, seen), drawn) in batch.colours.iter_mut().zip(sums).zip(&batch.drawn) {
-            let seen = seen.as_ref();
+        for (sample, (seen, drawn)) in sums.iter().zip(&batch.drawn).enumerate() {
+            let (mut colours, seen) = (batch.colours.sample(sample), seen.as_ref());
             match &job.mode {
                 SpectralMode::Single(_) => colours.add(0, seen[0]),
                 SpectralMode::Bands { count, .. } if one => {
@@ -344,13 +342,13 @@ impl<L: Abreast> Pass<'_, L> {
             open,
             ..
         } = &mut *self.batch;
-        let mut colours = colours.iter();
+        let mut samples = 0..;
         for run in runs {
             let [x, y] = run.pixel;
             let end = run.first + run.count as u64;
             self.tile.open(x, y, open);
-            for (number, colours) in (run.first..end).zip(&mut colours) {
-                if !open.add(colours) {
+            for (number, sample) in (run.first..end).zip(&mut samples) {
+                if !open.add(colours.values(sample)) {
                     taken.rejected += 1;
                 }
                 if (number - run.block_start) & run.last == run.last {

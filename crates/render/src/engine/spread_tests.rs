@@ -220,10 +220,8 @@ fn rounds_keep_to_the_mean_and_to_their_order() {
                 tiles[0].open(x, y, &mut sums);
                 for sample in taken..goal.end {
                     let [u, _] = SampleStream::new(5, u64::from(x + 8 * y), sample).pair(0);
-                    let mut colours = crate::film::SampleColours::new(1);
                     let light = if x % 2 == 0 { u } else { 0.5 };
-                    colours.add(0, glam::Vec4::splat(light));
-                    assert!(sums.add(&colours));
+                    assert!(sums.add(&[glam::Vec4::splat(light)]));
                     if (sample + 1 - goal.first).is_multiple_of(goal.block) {
                         tiles[0].close(x, y, &mut sums);
                     }

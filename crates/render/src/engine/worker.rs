@@ -8,7 +8,7 @@ use super::Job;
 use super::batch::{Batch, Pass};
 use super::spread::Goals;
 use crate::colour::{rgb_weights, sample_wavelength};
-use crate::film::{FilmGeometry, SampleColours, SampleSums, SpectralMode, TileSums};
+use crate::film::{Colours, FilmGeometry, SampleColours, SampleSums, SpectralMode, TileSums};
 use crate::filter::FilterSampler;
 use crate::geometry::bvh::Stack;
 use crate::lanes;
@@ -191,10 +191,10 @@ pub(super) fn listen<L: Light>(
     let mut worker = Worker::<L>::new(job, filter);
     worker.listens = true;
     let pixel = Pixel::new(job, x, y);
-    let mut colours = SampleColours::new(job.mode.colours());
+    let mut colours = Colours::new(job.mode.colours(), 1);
     for sample in samples {
         let stream = stream_of(sample, (sample - block_start) & last, last);
-        if let Some(coherence) = worker.sample(&pixel, &stream, &mut colours, stack) {
+        if let Some(coherence) = worker.sample(&pixel, &stream, colours.sample(0), stack) {
             tile.add_coherence(x, y, &coherence);
         }
     }
@@ -221,7 +221,7 @@ impl<'a, L: Light> Worker<'a, L> {
     }
 
     fn run(mut self, tile: &mut TileSums, goals: &Goals, most: u64, stack: &mut Stack) -> Taken {
-        let mut colours = SampleColours::new(self.job.mode.colours());
+        let mut colours = Colours::new(self.job.mode.colours(), 1);
         let mut open = SampleSums::new(self.job.mode.colours());
         for (x, y) in tile.pixels() {
             let (taken, goal) = (tile.taken(x, y), goals.of(x, y));
@@ -239,12 +239,12 @@ impl<'a, L: Light> Worker<'a, L> {
             for sample in taken..end {
                 let place = (sample - goal.first) & last;
                 let stream = stream_of(sample, place, last);
-                colours.clear();
-                let coherence = self.sample(&pixel, &stream, &mut colours, stack);
+                colours.clear(1);
+                let coherence = self.sample(&pixel, &stream, colours.sample(0), stack);
                 if let Some(coherence) = coherence {
                     tile.add_coherence(x, y, &coherence);
                 }
-                if !open.add(&colours) {
+                if !open.add(colours.values(0)) {
                     self.taken.rejected += 1;
                 }
                 if place == last {
@@ -262,7 +262,7 @@ impl<'a, L: Light> Worker<'a, L> {
         &mut self,
         pixel: &Pixel,
         stream_of: &impl Fn(PixelStream) -> SampleStream,
-        colours: &mut SampleColours,
+        mut colours: SampleColours<'_>,
         stack: &mut Stack,
     ) -> Option<CoherenceSums> {
         let job = self.job;

@@ -116,33 +116,60 @@ impl FilmGeometry {
     }
 }
 
-/// One sample's contribution to each colour, reused from sample to sample.
+/// What some samples contribute to each colour: room that is used again and again.
 #[derive(Clone, Debug)]
-pub struct SampleColours {
+pub struct Colours {
+    count: usize,
+    /// Sample by sample.
     values: Vec<Vec4>,
     /// Linear sRGB of a spectrum of constant value 1.
     grey: [f32; 3],
 }
 
-impl SampleColours {
-    /// All dark, for so many colours.
-    pub fn new(colours: usize) -> Self {
+impl Colours {
+    /// All dark: so many colours of so many samples.
+    pub fn new(count: usize, samples: usize) -> Self {
         Self {
-            values: vec![Vec4::ZERO; colours],
+            count,
+            values: vec![Vec4::ZERO; count * samples],
             grey: grey_weights(),
         }
     }
 
-    /// Starts a sample.
+    /// Darkens the first samples.
     #[inline]
-    pub fn clear(&mut self) {
-        match self.values.as_mut_slice() {
+    pub fn clear(&mut self, samples: usize) {
+        match &mut self.values[..self.count * samples] {
             // without a call
             [one] => *one = Vec4::ZERO,
             all => all.fill(Vec4::ZERO),
         }
     }
 
+    /// One of the samples, to be added to.
+    #[inline]
+    pub fn sample(&mut self, sample: usize) -> SampleColours<'_> {
+        SampleColours {
+            values: &mut self.values[sample * self.count..][..self.count],
+            grey: &self.grey,
+        }
+    }
+
+    /// The Stokes vectors of a sample, one for each colour.
+    #[inline]
+    pub fn values(&self, sample: usize) -> &[Vec4] {
+        &self.values[sample * self.count..][..self.count]
+    }
+}
+
+/// What one sample contributes to each colour.
+#[derive(Debug)]
+pub struct SampleColours<'a> {
+    values: &'a mut [Vec4],
+    grey: &'a [f32; 3],
+}
+
+impl SampleColours<'_> {
     /// Adds a Stokes vector to one colour.
     #[inline]
     pub fn add(&mut self, colour: usize, stokes: Vec4) {
@@ -162,13 +189,8 @@ impl SampleColours {
     #[inline]
     pub fn add_grey(&mut self, stokes: Vec4) {
         for (value, w) in self.values.iter_mut().zip(self.grey) {
-            *value += stokes * w;
+            *value += stokes * *w;
         }
-    }
-
-    /// The Stokes vector of each colour.
-    pub fn values(&self) -> &[Vec4] {
-        &self.values
     }
 }
 
@@ -186,13 +208,13 @@ impl SampleSums {
         }
     }
 
-    /// Adds a sample. One that is not finite is left out whole: the answer is false.
+    /// Adds a sample, a Stokes vector for each colour. One that is not finite is left out whole: the answer is false.
     #[inline]
-    pub fn add(&mut self, sample: &SampleColours) -> bool {
-        if !sample.values.iter().all(|v| v.is_finite()) {
+    pub fn add(&mut self, sample: &[Vec4]) -> bool {
+        if !sample.iter().all(|v| v.is_finite()) {
             return false;
         }
-        for (sums, value) in self.sums.iter_mut().zip(&sample.values) {
+        for (sums, value) in self.sums.iter_mut().zip(sample) {
             for (sum, value) in sums.iter_mut().zip(value.to_array()) {
                 *sum += f64::from(value);
             }
@@ -227,10 +249,8 @@ mod tests {
 
     #[test]
     fn what_is_not_finite_is_left_out() {
-        let mut colours = SampleColours::new(1);
-        colours.add(0, vec4(1.0, f32::NAN, 0.0, 0.0));
         let mut sums = SampleSums::new(1);
-        assert!(!sums.add(&colours));
+        assert!(!sums.add(&[vec4(1.0, f32::NAN, 0.0, 0.0)]));
         assert_eq!(sums.sums, [[0.0; 4]]);
     }
 }

@@ -1,7 +1,7 @@
 use glam::{Vec4, vec4};
 
 use super::*;
-use crate::film::{SampleColours, SampleSums};
+use crate::film::SampleSums;
 
 fn tile(products: bool) -> TileSums {
     TileSums::new([32, 16], [5, 5], (2, products, false))
@@ -10,13 +10,10 @@ fn tile(products: bool) -> TileSums {
 /// Adds a sample in the second of two colours, as a pass of its own, to the run of blocks of `block` after `first` samples.
 fn add(tile: &mut TileSums, (first, block): (u64, u64), sample: Vec4) {
     let (x, y) = (36, 20);
-    let mut colours = SampleColours::new(2);
-    colours.add(0, Vec4::ONE);
-    colours.add(1, sample);
     let mut sums = SampleSums::new(2);
     tile.go_on(x, y, first, block);
     tile.open(x, y, &mut sums);
-    assert!(sums.add(&colours));
+    assert!(sums.add(&[Vec4::ONE, sample]));
     let taken = tile.taken(x, y) + 1;
     if (taken - first).is_multiple_of(block) {
         tile.close(x, y, &mut sums);
