@@ -3,6 +3,8 @@
 mod algebra;
 mod intensity;
 mod polarized;
+#[cfg(test)]
+mod tests;
 mod throughput;
 
 use glam::{Mat4, Vec3A};

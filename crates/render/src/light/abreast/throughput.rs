@@ -139,7 +139,7 @@ impl<R: Real, const N: usize> Throughputs<R, N> {
 
     /// As whole matrices.
     #[inline(always)]
-    fn whole(&self) -> (V3<R>, [Matrices<R>; N]) {
+    pub(super) fn whole(&self) -> (V3<R>, [Matrices<R>; N]) {
         let (zero, one) = (R::zero(), R::one());
         let mut all = [[[zero; 4]; 4]; N];
         let mut axis = V3::splat(Vec3A::Z);

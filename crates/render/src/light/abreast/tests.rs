@@ -1,0 +1,201 @@
+//! Claim: a throughput of any kind does what the whole matrices do that it stands for.
+
+use super::polarized::Answers;
+use super::throughput::Throughputs;
+use super::{Elements, KINDS};
+use crate::lanes::{Columns, Packed, Rows, V3};
+use crate::sampler::{SampleStream, uniform_sphere};
+
+/// Wavelengths.
+const N: usize = 2;
+type T = Throughputs<f32, N>;
+
+/// Numbers are sums of at most sixteen products of factors up to 1; both ways round each at most twelve times.
+const LIMIT: f32 = 2.0 * 12.0 * 16.0 * (0.5 * f32::EPSILON);
+
+/// Random numbers from −1 to 1.
+struct Numbers(SampleStream, u32);
+
+impl Numbers {
+    fn new(case: u64) -> Self {
+        Self(SampleStream::new(3, 1, case), 0)
+    }
+    fn pair(&mut self) -> [f32; 2] {
+        self.1 += 2;
+        self.0.pair(self.1)
+    }
+    fn next(&mut self) -> f32 {
+        2.0 * self.pair()[0] - 1.0
+    }
+    fn four(&mut self) -> [f32; 4] {
+        std::array::from_fn(|_| self.next())
+    }
+    fn matrices(&mut self) -> [[[f32; 4]; 4]; N] {
+        std::array::from_fn(|_| std::array::from_fn(|_| self.four()))
+    }
+    /// A direction, and axes across it.
+    fn frame(&mut self) -> (V3<f32>, [V3<f32>; 3]) {
+        let k = uniform_sphere(self.pair());
+        let (a, b) = k.any_orthonormal_pair();
+        let mut axis = || {
+            let (sin, cos) = (4.0 * self.next()).sin_cos();
+            V3::splat(a * cos + b * sin)
+        };
+        (V3::splat(k), [axis(), axis(), axis()])
+    }
+    fn throughput(&mut self, kind: usize, axis: V3<f32>) -> T {
+        let columns = std::array::from_fn(|_| self.four());
+        let rows = std::array::from_fn(|_| self.four());
+        let all = [
+            Throughputs::Unit { axis },
+            Throughputs::Whole {
+                axis,
+                matrices: self.matrices(),
+            },
+            Throughputs::Product {
+                axis,
+                columns,
+                rows,
+            },
+            Throughputs::Column { columns },
+        ];
+        assert_eq!(all[kind].kind(), kind);
+        all[kind]
+    }
+    fn answers(&mut self, out: V3<f32>, inward: V3<f32>) -> [Answers<f32, N>; 3] {
+        let elements = std::array::from_fn(|_| {
+            let [mean, difference, cosine, sine] = self.four();
+            Elements {
+                mean,
+                difference,
+                cosine,
+                sine,
+            }
+        });
+        [
+            Answers::Depolarizing(std::array::from_fn(|_| self.next())),
+            Answers::Diagonal(out, elements),
+            Answers::General(out, inward, self.matrices()),
+        ]
+    }
+}
+
+fn as_whole(throughput: &T, axis: V3<f32>) -> T {
+    let matrices = throughput.whole().1;
+    Throughputs::Whole { axis, matrices }
+}
+
+/// Whether both are the same matrices in the same frame; what has no frame fits any.
+fn agree(a: &T, b: &T) -> bool {
+    let ((axis_a, a_whole), (axis_b, b_whole)) = (a.whole(), b.whole());
+    let free = |t: &T| matches!(t, Throughputs::Column { .. });
+    let same = free(a) || free(b) || (axis_a - axis_b).squared() == 0.0;
+    let (a, b) = (
+        a_whole.as_flattened().as_flattened(),
+        b_whole.as_flattened().as_flattened(),
+    );
+    same && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= LIMIT)
+}
+
+fn near(a: [f32; 4], b: [f32; 4]) -> bool {
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() <= LIMIT)
+}
+
+/// Every kind in turn, in random cases, with the whole matrices.
+fn each_case(mut check: impl FnMut(&T, &T, &mut Numbers, V3<f32>, [V3<f32>; 3])) {
+    for case in 0..100 {
+        for kind in 0..KINDS {
+            let mut numbers = Numbers::new(case);
+            let (k, axes) = numbers.frame();
+            let throughput = numbers.throughput(kind, axes[0]);
+            check(
+                &throughput,
+                &as_whole(&throughput, axes[0]),
+                &mut numbers,
+                k,
+                axes,
+            );
+        }
+    }
+}
+
+#[test]
+fn matter_lengthens_all_kinds_alike() {
+    each_case(|throughput, whole, numbers, k, [_, out, inward]| {
+        for answer in numbers.answers(out, inward) {
+            let weight = numbers.next();
+            let longer = throughput.extended(&answer, weight, k);
+            let expected = whole.extended(&answer, weight, k);
+            assert!(agree(&longer, &expected), "{longer:?} {expected:?}");
+            assert!(agree(&longer.scaled(0.7), &expected.scaled(0.7)));
+        }
+    });
+}
+
+#[test]
+fn light_passes_all_kinds_alike() {
+    each_case(|throughput, whole, numbers, k, [_, axis, _]| {
+        let v = numbers.four();
+        let (turn, turn_of_whole) = (throughput.turn_to(axis, k), whole.turn_to(axis, k));
+        for w in 0..N {
+            assert!(near(
+                throughput.times(w, v, turn),
+                whole.times(w, v, turn_of_whole)
+            ));
+            let linear = throughput.times_linear(w, [v[0], v[1]], turn);
+            let expected = whole.times(w, [v[0], v[1], 0.0, 0.0], turn_of_whole);
+            assert!(near(linear, expected));
+            assert!(near(throughput.first_column(w), whole.first_column(w)));
+        }
+    });
+}
+
+#[test]
+fn one_of_two_is_chosen_whatever_their_kinds() {
+    each_case(|throughput, _, numbers, _, [axis, ..]| {
+        for kind in 0..KINDS {
+            let other = numbers.throughput(kind, axis);
+            assert!(agree(
+                &Throughputs::select(true, throughput, &other),
+                throughput
+            ));
+            assert!(agree(
+                &Throughputs::select(false, throughput, &other),
+                &other
+            ));
+        }
+    });
+}
+
+#[test]
+fn sensors_see_the_same_polarization_through_all_kinds() {
+    each_case(|throughput, whole, _, k, [_, axis, _]| {
+        let (sights, expected) = (throughput.sights(), whole.sights());
+        let sum: f32 = (0..N).map(|w| whole.first_column(w)[0]).sum();
+        // numbers below 0.05 make quotients of rounding
+        if sum.abs() > 0.05 {
+            let difference = sights.along(axis, k) - expected.along(axis, k);
+            assert!(difference.abs() <= LIMIT / 0.05, "{difference}");
+        }
+    });
+}
+
+#[test]
+fn what_waits_comes_back() {
+    each_case(|throughput, _, _, _, [axis, ..]| {
+        let mut rows = Rows::<{ 3 + 16 * N }>::default();
+        throughput.put(&mut rows, 0, Packed::new(5, true));
+        let kind = throughput.kind();
+        let back = T::taken(&rows, 0, Columns::From(5), kind);
+        assert!(back.kind() == kind && agree(&back, throughput));
+        let part = T::taken_for_unpolarized(&rows, 0, Columns::From(5), kind);
+        for w in 0..N {
+            assert!(near(part.first_column(w), throughput.first_column(w)));
+            let light = part.times(w, [0.3, 0.0, 0.0, 0.0], (1.0, 0.0));
+            assert!(near(
+                light,
+                as_whole(throughput, axis).times(w, [0.3, 0.0, 0.0, 0.0], (1.0, 0.0))
+            ));
+        }
+    });
+}
