@@ -44,7 +44,7 @@ pixel. `matte box` is the Cornell box with white plaster in place of metal and g
 polarizes there.
 """
 THREADS = """
-One process with a thread a core against one process of one thread a core, all at once, 128 samples a pixel; paths per
+One process with a thread a core against one process of one thread a core, all at once, 256 samples a pixel; paths per
 second of the clock while sampling, the two taking turns.
 """
 TRIANGLES = """

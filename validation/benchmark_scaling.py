@@ -25,7 +25,7 @@ BANDS = [1, 2, 4, 8, 16, 32, 64]
 COLOURED = ["rough_conductor", "cornell_spectral"]
 # samples a pixel; of threads more, since renderings of a twentieth of a second do not tell
 SPP = 16
-THREADS_SPP = 128
+THREADS_SPP = 256
 
 
 def polarization(scenes: list[str], turns: int) -> list[Row]:

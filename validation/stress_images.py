@@ -34,6 +34,12 @@ What single precision costs the algebra along a path, against the same links in 
 printed by `cargo test -p render --lib light::polarized -- --nocapture`: after a thousand lossless
 links the worst of 40 paths is off by 0.19 units of rounding (6e-8) a link.
 
+What it costs whole paths, `cargo test -p render --lib double_precision -- --nocapture` finds: the
+same program follows 4096 paths in each of 29 scenes with numbers in single and in double precision
+(what waits between two links, and exponentials and circular functions, stay in single). No sum
+drifts; of the samples with light half differ by less than 0.1 units of rounding, nine in ten by at
+most 3.8, 99 in 100 by at most 24.5.
+
 """
 
 
