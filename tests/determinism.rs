@@ -27,7 +27,8 @@ fn bits(image: &StokesImage) -> Vec<u32> {
         .collect()
 }
 
-/// Renders with so many threads; also the sample counts after each pass. Slow reports make short passes.
+/// Renders with so many threads; also the sample counts after each pass. Slow reports make short passes, and a limit of
+/// time, however far, has the first one take a single sample.
 fn with_threads(
     threads: usize,
     shot: &Shot,
@@ -43,7 +44,10 @@ fn with_threads(
     let rendering = pool.install(|| {
         render(
             &job,
-            Limits::default(),
+            Limits {
+                time: (!delay.is_zero()).then_some(Duration::from_secs(3600)),
+                ..Limits::default()
+            },
             &AtomicBool::new(false),
             |progress| {
                 passes.push(progress.samples);

@@ -13,6 +13,7 @@ use std::sync::atomic::AtomicBool;
 use render::engine::{Job, Limits, Rendering, render};
 use render::film::SpectralMode;
 use render::image::{Colour, StokesImage};
+use render::plan::Components;
 use render::scene::{Document, Overrides, build, read, read_text};
 
 /// Standard errors beyond which a difference is no noise: 6e-7 of normal numbers are.
@@ -64,7 +65,11 @@ impl Shot {
             seed: self.seed,
             ..Job::new(built, self.mode.clone())
         };
-        job.plan.stokes = self.polarized;
+        job.plan.stokes = if self.polarized {
+            Components::All
+        } else {
+            Components::Intensity
+        };
         job.paths.patch = self.patch.unwrap_or(job.paths.patch);
         job
     }

@@ -10,6 +10,7 @@ use crate::film::{Colours, SampleSums, SpectralMode, TileSums};
 use crate::filter::FilterSampler;
 use crate::geometry::bvh::Stack;
 use crate::lanes::{Bits, COLUMNS, MOST, Real, Task};
+use crate::light::Light;
 use crate::light::abreast::Abreast;
 use crate::path::wavefront::{Beginnings, Wavefront};
 use crate::plan::Wavelengths;
@@ -68,8 +69,7 @@ impl Batch {
     /// Room for those of a job, if it can be done this way: matter that asks for the coherence of light follows paths one
     /// by one.
     pub(super) fn new(job: &Job) -> Option<Self> {
-        let one_by_one = job.scene.traits().coherent || job.plan.dark;
-        if one_by_one || !matches!(job.camera, Camera::Perspective(_)) {
+        if job.plan.dark || !Wavefront::follows(&job.scene, &job.camera) {
             return None;
         }
         let colours = job.mode.colours();
@@ -136,7 +136,7 @@ impl<L: Abreast> Task for Pass<'_, L> {
     #[inline(always)]
     fn run<R: Real>(mut self) -> Taken {
         let mut taken = Taken::default();
-        let mut sums = vec![L::dark(); COLUMNS + MOST];
+        let mut sums = vec![L::Single::dark(); COLUMNS + MOST];
         let mut pixels = self.tile.pixels();
         let mut unfinished = None;
         loop {
@@ -223,7 +223,7 @@ impl<L: Abreast> Pass<'_, L> {
             for first in (0..count).step_by(R::LANES) {
                 self.begin::<R>(first, count, first_wave);
             }
-            sums[..count].fill(L::dark());
+            sums[..count].fill(L::Single::dark());
             self.batch.front.trace::<R, L>(
                 &job.scene,
                 &job.paths,
@@ -357,7 +357,7 @@ impl<L: Abreast> Pass<'_, L> {
             }
             self.tile.keep(x, y, open, end);
             if self.job.coherence.is_some() {
-                let counters = listen::<L>(
+                let counters = listen::<L::Single>(
                     (self.job, self.filter),
                     self.tile,
                     run.pixel,

@@ -12,11 +12,11 @@ use crate::film::{Colours, FilmGeometry, SampleColours, SampleSums, SpectralMode
 use crate::filter::FilterSampler;
 use crate::geometry::bvh::Stack;
 use crate::lanes;
-use crate::light::abreast::Abreast;
-use crate::light::{Intensity, Light, Polarized};
+use crate::light::abreast::{Abreast, Stokes};
+use crate::light::{Intensity, Light};
 use crate::path::witness::{CoherenceSums, Listener, View};
 use crate::path::{CameraSample, Counters, Start, trace};
-use crate::plan::Wavelengths;
+use crate::plan::{Components, Wavelengths};
 use crate::sampler::{PixelStream, SampleStream};
 
 /// What a pass over a tile, or over all of them, has taken.
@@ -107,11 +107,14 @@ pub(super) fn tile_pass(
     lent: &mut Lent<'_>,
 ) -> Taken {
     let bench = lent.bench.get_or_insert_with(|| Bench::new(job));
-    let pass = match (job.plan.stokes, job.plan.wavelengths) {
-        (false, Wavelengths::Together) => pass::<Intensity<4>>,
-        (true, Wavelengths::Together) => pass::<Polarized<4>>,
-        (false, Wavelengths::One | Wavelengths::Apart) => pass::<Intensity<1>>,
-        (true, Wavelengths::One | Wavelengths::Apart) => pass::<Polarized<1>>,
+    let apart = job.plan.wavelengths != Wavelengths::Together;
+    let pass = match (job.plan.stokes, apart) {
+        (Components::Intensity, false) => pass::<Intensity<4>>,
+        (Components::Intensity, true) => pass::<Intensity<1>>,
+        (Components::Linear, false) => pass::<Stokes<4, 3>>,
+        (Components::Linear, true) => pass::<Stokes<1, 3>>,
+        (Components::All, false) => pass::<Stokes<4, 4>>,
+        (Components::All, true) => pass::<Stokes<1, 4>>,
     };
     pass(job, filter, tile, goals, bench)
 }
@@ -135,7 +138,7 @@ fn pass<L: Abreast>(
             batch,
             light: PhantomData,
         }),
-        None => Worker::<L>::new(job, filter).run(tile, goals, most, stack),
+        None => Worker::<L::Single>::new(job, filter).run(tile, goals, most, stack),
     }
 }
 

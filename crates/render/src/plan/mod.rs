@@ -4,8 +4,7 @@
 //! for. Skipping is exact: what is left out could only have added zeros, or the same number again, and no random number
 //! is used in another way for it. `--no-skip` follows all of it; the image is the same within rounding.
 //!
-//! The compiler makes one walk for each kind of scene: S0 or Stokes vectors, one wavelength or four, with waves or
-//! without. `polarization.rs` decides on Stokes components, `spectral.rs` on wavelengths, `rays.rs` on what rays look for.
+//! The compiler makes an integrator for each kind of scene: S0, three or four Stokes components, one wavelength or four. `polarization.rs` decides on Stokes components, `spectral.rs` on wavelengths, `rays.rs` on what rays look for.
 
 mod polarization;
 mod rays;
@@ -35,11 +34,22 @@ pub struct Request<'a> {
     pub skip: bool,
 }
 
+/// Stokes components that are followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Components {
+    /// S0, by scalar transport.
+    Intensity,
+    /// S0, S1, S2: no light is circular.
+    Linear,
+    /// All four.
+    All,
+}
+
 /// What is followed, and why.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// Whether Stokes vectors are followed; where no polarization can arise S0 alone gives the same image.
-    pub stokes: bool,
+    /// Which Stokes components are followed; the others are zero.
+    pub stokes: Components,
     /// How paths carry wavelengths.
     pub wavelengths: Wavelengths,
     /// Whether light and matter are the same at all wavelengths of the image: its colours are known beforehand.
@@ -73,7 +83,11 @@ impl Plan {
     /// Everything that an image can show of a scene, whether the scene needs it or not.
     pub fn in_full(scene: &Scene, mode: &SpectralMode, polarized: bool) -> Self {
         Self {
-            stokes: polarized,
+            stokes: if polarized {
+                Components::All
+            } else {
+                Components::Intensity
+            },
             wavelengths: Wavelengths::in_full(scene, mode),
             grey: false,
             dark: false,

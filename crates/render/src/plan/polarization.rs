@@ -1,11 +1,12 @@
 //! Which Stokes components can be other than zero at the sensor, and why.
 //!
 //! An upper bound from the light sources, the matter in the scene and the length of paths: whatever polarization arrives
-//! was sent out so or was made by matter. Where something polarizes, S0 depends on the rest, and all of the Stokes vector
-//! is followed, S3 too: there is no algebra of its own for light that is never circular.
+//! was sent out so or was made by matter. Where something polarizes, S0 depends on the rest, and the Stokes vector is
+//! followed: S0, S1 and S2 where no light can be circular and [paths go side by side](crate::path::wavefront), else all.
 
-use super::{Decision, Request, Stock};
+use super::{Components, Decision, Request, Stock};
 use crate::material::{Effect, Matter};
+use crate::path::wavefront::Wavefront;
 
 /// Why a component may be other than zero, or why it cannot.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -96,29 +97,31 @@ impl Needs {
     }
 }
 
-/// Whether Stokes vectors are followed, and what is said of it.
-pub(super) fn decide(stock: &Stock<'_>, request: &Request<'_>) -> (bool, Vec<Decision>) {
+/// Which components are followed, and what is said of it.
+pub(super) fn decide(stock: &Stock<'_>, request: &Request<'_>) -> (Components, Vec<Decision>) {
     const ALL: &str = "S1, S2, S3";
     if !request.polarized {
         let asked = Decision::absent(ALL, "not asked for (--unpolarized)");
-        return (false, vec![asked]);
+        return (Components::Intensity, vec![asked]);
     }
     let needs = Needs::of(stock);
     if !needs.polarization() {
         let reason = format!("zero, {}", needs.circular.reason);
-        return (false, vec![Decision::skipped(ALL, reason)]);
+        return (Components::Intensity, vec![Decision::skipped(ALL, reason)]);
     }
-    let parts = [("S1, S2", needs.linear), ("S3", needs.circular)];
-    let decisions = parts.into_iter().map(|(what, component)| {
-        let reason = if component.possible {
+    let beside = |component: Component| {
+        if component.possible {
             component.reason
         } else {
-            format!(
-                "zero, {}; carried beside the others at no cost",
-                component.reason
-            )
-        };
-        Decision::kept(what, reason)
-    });
-    (true, decisions.collect())
+            format!("zero, {}; carried beside the others", component.reason)
+        }
+    };
+    let linear = Decision::kept("S1, S2", beside(needs.linear));
+    if !needs.circular.possible && Wavefront::follows(&stock.built.scene, &stock.built.camera) {
+        let reason = format!("zero, {}", needs.circular.reason);
+        let circular = Decision::skipped("S3", reason);
+        return (Components::Linear, vec![linear, circular]);
+    }
+    let circular = Decision::kept("S3", beside(needs.circular));
+    (Components::All, vec![linear, circular])
 }

@@ -1,7 +1,7 @@
 //! Plans of small scenes, part by part.
 
 use super::polarization::Needs;
-use super::{Plan, Request, Stock, Wavelengths};
+use super::{Components, Plan, Request, Stock, Wavelengths};
 use crate::film::SpectralMode;
 use crate::scene::{BuiltScene, Overrides, build, read_text};
 
@@ -58,7 +58,7 @@ fn depolarizers_alone_need_no_stokes_vectors() {
     let matter = spheres(["<bsdf type='diffuse'/>", "<bsdf type='null'/>"]);
     assert_eq!(needs(&matter, 8), (false, false));
     let (plan, text) = plan(&matter, 8, &ONE);
-    assert!(!plan.stokes);
+    assert_eq!(plan.stokes, Components::Intensity);
     assert!(
         text.contains("skipped S1, S2, S3: zero, no matter within reach polarizes"),
         "{text}"
@@ -113,7 +113,7 @@ fn matter_that_no_shape_is_made_of_needs_nothing() {
                   <bsdf type='polarizer' id='film'/>";
     let used = spheres(["<bsdf type='diffuse'/>"]);
     let (plan, text) = plan(&(unused.to_owned() + &used), 8, &ONE);
-    assert!(!plan.stokes, "{text}");
+    assert_eq!(plan.stokes, Components::Intensity, "{text}");
     for line in [
         "skipped conductor 'gold' (test.xml:1:",
         "skipped coherence of the light on matter: no matter answers to it",
@@ -132,11 +132,11 @@ fn reasons_name_matter_and_its_place() {
     ]);
     let light = "<emitter type='point'/>";
     let (plan, text) = plan(&(light.to_owned() + &matter), 8, &ONE);
-    assert!(plan.stokes);
+    assert_eq!(plan.stokes, Components::Linear);
     let sheet = "polarizer 'sheet' (test.xml:2:22)";
     for line in [
         format!("kept S1, S2: {sheet} polarizes linearly"),
-        "kept S3: zero, no matter retards".to_owned(),
+        "skipped S3: zero, no matter retards".to_owned(),
         format!("kept flat elements on the way to emitters: {sheet} lets light straight through"),
         "kept connections to emitters: diffuse (test.xml:1:".to_owned(),
         "skipped last rays of the longest paths: all emitters are points".to_owned(),
@@ -297,7 +297,7 @@ fn nothing_is_skipped_on_request() {
         skip: false,
     };
     let (plan, text) = told(&built, &request);
-    assert!(plan.stokes && !plan.dark);
+    assert!(plan.stokes == Components::All && !plan.dark);
     assert_eq!(plan.wavelengths, Wavelengths::Together);
     assert!(
         text.contains(
@@ -311,5 +311,5 @@ fn nothing_is_skipped_on_request() {
         polarized: false,
         ..request
     };
-    assert!(!told(&built, &scalar).0.stokes);
+    assert_eq!(told(&built, &scalar).0.stokes, Components::Intensity);
 }

@@ -7,6 +7,12 @@ use crate::lanes::{Axes, Bits, Columns, MOST, Mask, Packed, Real, Rows, V3, each
 use crate::light::Intensity;
 
 impl<const N: usize> Abreast for Intensity<N> {
+    type Single = Self;
+    type Stokes = [Vec4; N];
+    type Response = [f32; N];
+    const LANES: usize = N;
+    const POLARIZED: bool = false;
+
     type Values<R: Real> = [R; N];
     type Diagonals<R: Real> = [Elements<R>; N];
     type Answers<R: Real> = [R; N];

@@ -7,11 +7,13 @@ mod polarized;
 mod tests;
 mod throughput;
 
-use glam::{Mat4, Vec3A};
+use glam::{Mat4, Vec3A, Vec4};
 
 use super::{Element, Light, Sight};
 use crate::lanes::{Axes, Columns, MOST, Packed, Real, Rows, V3};
 use algebra::double_angles;
+
+pub use polarized::Stokes;
 
 /// Arrays of wavelengths, written out: closures that are not inlined would lose the instructions.
 macro_rules! each_wavelength {
@@ -122,7 +124,17 @@ impl<R: Real> Sights<R> {
 pub const KINDS: usize = 4;
 
 /// Light along paths side by side.
-pub trait Abreast: Light {
+pub trait Abreast: Copy + std::fmt::Debug + Send + Sync + 'static {
+    /// The same light along one path.
+    type Single: Light<Stokes = Self::Stokes, Response = Self::Response>;
+    /// See [`Light::Stokes`].
+    type Stokes: Copy + AsRef<[Vec4]>;
+    /// See [`Light::Response`].
+    type Response: Copy;
+    /// See [`Light::LANES`].
+    const LANES: usize;
+    /// See [`Light::POLARIZED`].
+    const POLARIZED: bool;
     /// One number a wavelength.
     type Values<R: Real>: Copy + std::fmt::Debug + AsRef<[R]> + AsMut<[R]>;
     /// One element a wavelength.

@@ -3,30 +3,41 @@
 use glam::{Mat4, Vec3A, Vec4, vec4};
 
 use super::algebra::{
-    Matrices, arriving, element_beside, polarized_along, scaled_vector, times_vector,
+    Matrices, arriving, element_beside, element_times_vector, polarized_along, scaled_vector,
+    state_of, times_vector,
 };
 use super::throughput::Throughputs;
 use super::{Abreast, Elements, Shine, Sights, each_wavelength};
 use crate::lanes::{Axes, Bits, Columns, MOST, Mask, Packed, Real, Rows, V3, each};
 use crate::light::{MuellerResponse, Polarized};
 
-/// What matter does to light, a path a lane; `N` wavelengths.
+/// Polarized light of `N` wavelengths and `S` Stokes components: all four, or three where no light is circular.
 #[derive(Clone, Copy, Debug)]
-pub enum Answers<R, const N: usize> {
+pub struct Stokes<const N: usize, const S: usize>;
+
+/// What matter does to light, a path a lane; `N` wavelengths, `S` Stokes components.
+#[derive(Clone, Copy, Debug)]
+pub enum Answers<R, const N: usize, const S: usize> {
     /// Only M00.
     Depolarizing([R; N]),
     /// Diagonal in the frame of an axis on both sides.
     Diagonal(V3<R>, [Elements<R>; N]),
     /// Any matrix, from the frame of the second axis to that of the first.
-    General(V3<R>, V3<R>, [Matrices<R>; N]),
+    General(V3<R>, V3<R>, [Matrices<R, S>; N]),
 }
 
-impl<const N: usize> Abreast for Polarized<N> {
+impl<const N: usize, const S: usize> Abreast for Stokes<N, S> {
+    type Single = Polarized<N>;
+    type Stokes = [Vec4; N];
+    type Response = MuellerResponse<N>;
+    const LANES: usize = N;
+    const POLARIZED: bool = true;
+
     type Values<R: Real> = [R; N];
     type Diagonals<R: Real> = [Elements<R>; N];
-    type Answers<R: Real> = Answers<R, N>;
-    type Throughputs<R: Real> = Throughputs<R, N>;
-    type Seen<R: Real> = [[R; 4]; N];
+    type Answers<R: Real> = Answers<R, N, S>;
+    type Throughputs<R: Real> = Throughputs<R, N, S>;
+    type Seen<R: Real> = [[R; S]; N];
 
     #[inline(always)]
     fn values<R: Real>(value: R) -> [R; N] {
@@ -37,17 +48,17 @@ impl<const N: usize> Abreast for Polarized<N> {
         [element; N]
     }
     #[inline(always)]
-    fn depolarizing_lanes<R: Real>(m00: [R; N]) -> Answers<R, N> {
+    fn depolarizing_lanes<R: Real>(m00: [R; N]) -> Answers<R, N, S> {
         Answers::Depolarizing(m00)
     }
     #[inline(always)]
-    fn diagonal_lanes<R: Real>(axis: V3<R>, elements: &[Elements<R>; N]) -> Answers<R, N> {
+    fn diagonal_lanes<R: Real>(axis: V3<R>, elements: &[Elements<R>; N]) -> Answers<R, N, S> {
         Answers::Diagonal(axis, *elements)
     }
     #[inline(always)]
-    fn general_lanes<R: Real>(axis: V3<R>, matrix: &Mat4, factors: &[R; N]) -> Answers<R, N> {
+    fn general_lanes<R: Real>(axis: V3<R>, matrix: &Mat4, factors: &[R; N]) -> Answers<R, N, S> {
         let columns = matrix.to_cols_array_2d();
-        let none = [[R::zero(); 4]; 4];
+        let none = [[R::zero(); S]; S];
         let matrices = each_wavelength!(w, none, {
             let mut m = none;
             for (to, from) in m.iter_mut().zip(&columns) {
@@ -66,10 +77,10 @@ impl<const N: usize> Abreast for Polarized<N> {
         weights: &[R; N],
         first: (V3<R>, Elements<R>),
         [o, i]: [V3<R>; 2],
-    ) -> Answers<R, N> {
+    ) -> Answers<R, N, S> {
         let column = polarized_along(axis, last, o);
         let row = polarized_along(axis, first, -i);
-        let none = [[R::zero(); 4]; 4];
+        let none = [[R::zero(); S]; S];
         let matrices = each_wavelength!(
             w,
             none,
@@ -83,9 +94,9 @@ impl<const N: usize> Abreast for Polarized<N> {
         o: &[Vec3A; MOST],
         i: &[Vec3A; MOST],
         mut f: impl FnMut(usize) -> MuellerResponse<N>,
-    ) -> Answers<R, N> {
+    ) -> Answers<R, N, S> {
         let mut axes = [[Vec3A::X; MOST]; 2];
-        let mut matrices = [[[[0.0; MOST]; 4]; 4]; N];
+        let mut matrices = [[[[0.0; MOST]; S]; S]; N];
         each(lanes, |lane| {
             let ([out, inward], matrix) = f(lane).whole(o[lane], i[lane]);
             axes[0][lane] = out;
@@ -98,10 +109,10 @@ impl<const N: usize> Abreast for Polarized<N> {
                 }
             }
         });
-        let mut all = [[[R::zero(); 4]; 4]; N];
+        let mut all = [[[R::zero(); S]; S]; N];
         for (to, from) in all.iter_mut().zip(&matrices) {
-            for column in 0..4 {
-                for row in 0..4 {
+            for column in 0..S {
+                for row in 0..S {
                     to[column][row] = R::from_fn(|lane| from[column][row][lane]);
                 }
             }
@@ -109,7 +120,7 @@ impl<const N: usize> Abreast for Polarized<N> {
         Answers::General(V3::from_lanes(&axes[0]), V3::from_lanes(&axes[1]), all)
     }
     #[inline(always)]
-    fn to_world<R: Real>(answer: &Answers<R, N>, axes: &Axes<R>) -> Answers<R, N> {
+    fn to_world<R: Real>(answer: &Answers<R, N, S>, axes: &Axes<R>) -> Answers<R, N, S> {
         match answer {
             Answers::Depolarizing(_) => *answer,
             Answers::Diagonal(axis, elements) => Answers::Diagonal(axes.to_world(*axis), *elements),
@@ -119,45 +130,45 @@ impl<const N: usize> Abreast for Polarized<N> {
         }
     }
     #[inline(always)]
-    fn beginning<R: Real>(axis: V3<R>) -> Throughputs<R, N> {
+    fn beginning<R: Real>(axis: V3<R>) -> Throughputs<R, N, S> {
         Throughputs::Unit { axis }
     }
     #[inline(always)]
     fn extended<R: Real>(
-        throughput: &Throughputs<R, N>,
-        answer: &Answers<R, N>,
+        throughput: &Throughputs<R, N, S>,
+        answer: &Answers<R, N, S>,
         weight: R,
         k_out: V3<R>,
-    ) -> Throughputs<R, N> {
+    ) -> Throughputs<R, N, S> {
         throughput.extended(answer, weight, k_out)
     }
     #[inline(always)]
     fn select<R: Real>(
         mask: R::M,
-        a: &Throughputs<R, N>,
-        b: &Throughputs<R, N>,
-    ) -> Throughputs<R, N> {
+        a: &Throughputs<R, N, S>,
+        b: &Throughputs<R, N, S>,
+    ) -> Throughputs<R, N, S> {
         Throughputs::select(mask, a, b)
     }
     #[inline(always)]
     fn seen<R: Real>(
-        throughput: &Throughputs<R, N>,
+        throughput: &Throughputs<R, N, S>,
         light: &Shine<[R; N], R>,
         k: V3<R>,
         weight: R,
-    ) -> [[R; 4]; N] {
-        let none = [R::zero(); 4];
+    ) -> [[R; S]; N] {
+        let none = [R::zero(); S];
         match &light.state {
             None => each_wavelength!(
                 w,
                 none,
-                scaled_vector(throughput.first_column(w), light.radiance[w] * weight)
+                throughput.times_unpolarized(w, light.radiance[w] * weight)
             ),
             Some((axis, states)) => {
                 let turn = throughput.turn_to(*axis, k);
                 each_wavelength!(w, none, {
                     let s0 = light.radiance[w] * weight;
-                    let state = [s0, states[0][w] * s0, states[1][w] * s0, states[2][w] * s0];
+                    let state = state_of(s0, [states[0][w], states[1][w], states[2][w]]);
                     throughput.times(w, state, turn)
                 })
             }
@@ -165,14 +176,14 @@ impl<const N: usize> Abreast for Polarized<N> {
     }
     #[inline(always)]
     fn seen_through<R: Real>(
-        throughput: &Throughputs<R, N>,
-        answer: &Answers<R, N>,
+        throughput: &Throughputs<R, N, S>,
+        answer: &Answers<R, N, S>,
         k_out: V3<R>,
         light: &Shine<[R; N], R>,
         k_in: V3<R>,
         weight: R,
-    ) -> [[R; 4]; N] {
-        let none = [R::zero(); 4];
+    ) -> [[R; S]; N] {
+        let none = [R::zero(); S];
         match answer {
             Answers::Depolarizing(m00) => each_wavelength!(
                 w,
@@ -195,13 +206,7 @@ impl<const N: usize> Abreast for Polarized<N> {
                 let light = arriving(*axis, light, k_in, weight);
                 each_wavelength!(w, none, {
                     let (e, v) = (&elements[w], light[w]);
-                    let after = [
-                        e.mean * v[0] + e.difference * v[1],
-                        e.difference * v[0] + e.mean * v[1],
-                        e.cosine * v[2] + e.sine * v[3],
-                        e.cosine * v[3] - e.sine * v[2],
-                    ];
-                    throughput.times(w, after, turn)
+                    throughput.times(w, element_times_vector(e, v), turn)
                 })
             }
             Answers::General(out, inward, matrices) => {
@@ -221,11 +226,14 @@ impl<const N: usize> Abreast for Polarized<N> {
         }
     }
     #[inline(always)]
-    fn add_to<R: Real>(sums: &mut [[Vec4; N]], samples: R::B, seen: &[[R; 4]; N], lanes: R::M) {
+    fn add_to<R: Real>(sums: &mut [[Vec4; N]], samples: R::B, seen: &[[R; S]; N], lanes: R::M) {
         let samples = samples.lanes();
         for w in 0..N {
-            let [a, b, c, d] = seen[w];
-            let (a, b, c, d) = (a.lanes(), b.lanes(), c.lanes(), d.lanes());
+            let mut components = [[0.0; MOST]; 4];
+            for (to, component) in components.iter_mut().zip(&seen[w]) {
+                *to = component.lanes();
+            }
+            let [a, b, c, d] = components;
             each(lanes.bits(), |lane| {
                 let more = vec4(a[lane], b[lane], c[lane], d[lane]);
                 sums[samples[lane] as usize][w] += more;
@@ -233,7 +241,7 @@ impl<const N: usize> Abreast for Polarized<N> {
         }
     }
     #[inline(always)]
-    fn kind<R: Real>(throughput: &Throughputs<R, N>) -> usize {
+    fn kind<R: Real>(throughput: &Throughputs<R, N, S>) -> usize {
         throughput.kind()
     }
     #[inline(always)]
@@ -242,7 +250,7 @@ impl<const N: usize> Abreast for Polarized<N> {
         row: usize,
         columns: Columns<R>,
         kind: usize,
-    ) -> Throughputs<R, N> {
+    ) -> Throughputs<R, N, S> {
         Throughputs::taken(rows, row, columns, kind)
     }
     #[inline(always)]
@@ -251,7 +259,7 @@ impl<const N: usize> Abreast for Polarized<N> {
         row: usize,
         columns: Columns<R>,
         kind: usize,
-    ) -> Throughputs<R, N> {
+    ) -> Throughputs<R, N, S> {
         Throughputs::taken_for_unpolarized(rows, row, columns, kind)
     }
     #[inline(always)]
@@ -259,12 +267,12 @@ impl<const N: usize> Abreast for Polarized<N> {
         rows: &mut Rows<ROWS>,
         row: usize,
         columns: Packed<R>,
-        throughput: &Throughputs<R, N>,
+        throughput: &Throughputs<R, N, S>,
     ) {
         throughput.put(rows, row, columns);
     }
     #[inline(always)]
-    fn strengths<R: Real>(throughput: &Throughputs<R, N>) -> R {
+    fn strengths<R: Real>(throughput: &Throughputs<R, N, S>) -> R {
         let mut most = throughput.first_column(0)[0];
         for w in 1..N {
             most = most.max(throughput.first_column(w)[0]);
@@ -272,20 +280,26 @@ impl<const N: usize> Abreast for Polarized<N> {
         most
     }
     #[inline(always)]
-    fn reaches<R: Real>(throughput: &Throughputs<R, N>) -> R {
+    fn reaches<R: Real>(throughput: &Throughputs<R, N, S>) -> R {
         let mut most = R::zero();
         for w in 0..N {
-            let [s0, a, b, c] = throughput.first_column(w);
-            most = most.max(s0 + (a * a + b * b + c * c).sqrt());
+            let [s0, across @ ..] = &throughput.first_column(w)[..] else {
+                continue;
+            };
+            let mut squared = R::zero();
+            for component in across {
+                squared = squared + *component * *component;
+            }
+            most = most.max(*s0 + squared.sqrt());
         }
         most
     }
     #[inline(always)]
-    fn sights<R: Real>(throughput: &Throughputs<R, N>) -> Sights<R> {
+    fn sights<R: Real>(throughput: &Throughputs<R, N, S>) -> Sights<R> {
         throughput.sights()
     }
     #[inline(always)]
-    fn scaled_lanes<R: Real>(throughput: &Throughputs<R, N>, weight: R) -> Throughputs<R, N> {
+    fn scaled_lanes<R: Real>(throughput: &Throughputs<R, N, S>, weight: R) -> Throughputs<R, N, S> {
         throughput.scaled(weight)
     }
 }

@@ -1,4 +1,4 @@
-//! Claim: a throughput of any kind does what the whole matrices do that it stands for.
+//! Claim: a throughput of any kind, of four Stokes components or three, does what the whole matrices do that it stands for.
 
 use super::polarized::Answers;
 use super::throughput::Throughputs;
@@ -8,7 +8,7 @@ use crate::sampler::{SampleStream, uniform_sphere};
 
 /// Wavelengths.
 const N: usize = 2;
-type T = Throughputs<f32, N>;
+type T<const S: usize> = Throughputs<f32, N, S>;
 
 /// Numbers are sums of at most sixteen products of factors up to 1; both ways round each at most twelve times.
 const LIMIT: f32 = 2.0 * 12.0 * 16.0 * (0.5 * f32::EPSILON);
@@ -27,11 +27,11 @@ impl Numbers {
     fn next(&mut self) -> f32 {
         2.0 * self.pair()[0] - 1.0
     }
-    fn four(&mut self) -> [f32; 4] {
+    fn vector<const S: usize>(&mut self) -> [f32; S] {
         std::array::from_fn(|_| self.next())
     }
-    fn matrices(&mut self) -> [[[f32; 4]; 4]; N] {
-        std::array::from_fn(|_| std::array::from_fn(|_| self.four()))
+    fn matrices<const S: usize>(&mut self) -> [[[f32; S]; S]; N] {
+        std::array::from_fn(|_| std::array::from_fn(|_| self.vector()))
     }
     /// A direction, and axes across it.
     fn frame(&mut self) -> (V3<f32>, [V3<f32>; 3]) {
@@ -43,9 +43,9 @@ impl Numbers {
         };
         (V3::splat(k), [axis(), axis(), axis()])
     }
-    fn throughput(&mut self, kind: usize, axis: V3<f32>) -> T {
-        let columns = std::array::from_fn(|_| self.four());
-        let rows = std::array::from_fn(|_| self.four());
+    fn throughput<const S: usize>(&mut self, kind: usize, axis: V3<f32>) -> T<S> {
+        let columns = std::array::from_fn(|_| self.vector());
+        let rows = std::array::from_fn(|_| self.vector());
         let all = [
             Throughputs::Unit { axis },
             Throughputs::Whole {
@@ -62,9 +62,13 @@ impl Numbers {
         assert_eq!(all[kind].kind(), kind);
         all[kind]
     }
-    fn answers(&mut self, out: V3<f32>, inward: V3<f32>) -> [Answers<f32, N>; 3] {
+    fn answers<const S: usize>(
+        &mut self,
+        out: V3<f32>,
+        inward: V3<f32>,
+    ) -> [Answers<f32, N, S>; 3] {
         let elements = std::array::from_fn(|_| {
-            let [mean, difference, cosine, sine] = self.four();
+            let [mean, difference, cosine, sine] = self.vector();
             Elements {
                 mean,
                 difference,
@@ -80,15 +84,15 @@ impl Numbers {
     }
 }
 
-fn as_whole(throughput: &T, axis: V3<f32>) -> T {
+fn as_whole<const S: usize>(throughput: &T<S>, axis: V3<f32>) -> T<S> {
     let matrices = throughput.whole().1;
     Throughputs::Whole { axis, matrices }
 }
 
 /// Whether both are the same matrices in the same frame; what has no frame fits any.
-fn agree(a: &T, b: &T) -> bool {
+fn agree<const S: usize>(a: &T<S>, b: &T<S>) -> bool {
     let ((axis_a, a_whole), (axis_b, b_whole)) = (a.whole(), b.whole());
-    let free = |t: &T| matches!(t, Throughputs::Column { .. });
+    let free = |t: &T<S>| matches!(t, Throughputs::Column { .. });
     let same = free(a) || free(b) || (axis_a - axis_b).squared() == 0.0;
     let (a, b) = (
         a_whole.as_flattened().as_flattened(),
@@ -97,12 +101,14 @@ fn agree(a: &T, b: &T) -> bool {
     same && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= LIMIT)
 }
 
-fn near(a: [f32; 4], b: [f32; 4]) -> bool {
+fn near<const S: usize>(a: [f32; S], b: [f32; S]) -> bool {
     a.iter().zip(b).all(|(a, b)| (a - b).abs() <= LIMIT)
 }
 
 /// Every kind in turn, in random cases, with the whole matrices.
-fn each_case(mut check: impl FnMut(&T, &T, &mut Numbers, V3<f32>, [V3<f32>; 3])) {
+fn each_case<const S: usize>(
+    mut check: impl FnMut(&T<S>, &T<S>, &mut Numbers, V3<f32>, [V3<f32>; 3]),
+) {
     for case in 0..100 {
         for kind in 0..KINDS {
             let mut numbers = Numbers::new(case);
@@ -121,7 +127,12 @@ fn each_case(mut check: impl FnMut(&T, &T, &mut Numbers, V3<f32>, [V3<f32>; 3]))
 
 #[test]
 fn matter_lengthens_all_kinds_alike() {
-    each_case(|throughput, whole, numbers, k, [_, out, inward]| {
+    lengthens::<3>();
+    lengthens::<4>();
+}
+
+fn lengthens<const S: usize>() {
+    each_case::<S>(|throughput, whole, numbers, k, [_, out, inward]| {
         for answer in numbers.answers(out, inward) {
             let weight = numbers.next();
             let longer = throughput.extended(&answer, weight, k);
@@ -134,8 +145,13 @@ fn matter_lengthens_all_kinds_alike() {
 
 #[test]
 fn light_passes_all_kinds_alike() {
-    each_case(|throughput, whole, numbers, k, [_, axis, _]| {
-        let v = numbers.four();
+    passes::<3>();
+    passes::<4>();
+}
+
+fn passes<const S: usize>() {
+    each_case::<S>(|throughput, whole, numbers, k, [_, axis, _]| {
+        let v: [f32; S] = numbers.vector();
         let (turn, turn_of_whole) = (throughput.turn_to(axis, k), whole.turn_to(axis, k));
         for w in 0..N {
             assert!(near(
@@ -143,16 +159,28 @@ fn light_passes_all_kinds_alike() {
                 whole.times(w, v, turn_of_whole)
             ));
             let linear = throughput.times_linear(w, [v[0], v[1]], turn);
-            let expected = whole.times(w, [v[0], v[1], 0.0, 0.0], turn_of_whole);
+            let mut state = [0.0; S];
+            state[..2].copy_from_slice(&v[..2]);
+            let expected = whole.times(w, state, turn_of_whole);
             assert!(near(linear, expected));
             assert!(near(throughput.first_column(w), whole.first_column(w)));
+            // lanes with a polarized source and lanes without one share a function
+            let mut state = [0.0; S];
+            state[0] = v[0];
+            let seen = throughput.times_unpolarized(w, v[0]);
+            assert!(seen == throughput.times(w, state, turn));
         }
     });
 }
 
 #[test]
 fn one_of_two_is_chosen_whatever_their_kinds() {
-    each_case(|throughput, _, numbers, _, [axis, ..]| {
+    chooses::<3>();
+    chooses::<4>();
+}
+
+fn chooses<const S: usize>() {
+    each_case::<S>(|throughput, _, numbers, _, [axis, ..]| {
         for kind in 0..KINDS {
             let other = numbers.throughput(kind, axis);
             assert!(agree(
@@ -169,7 +197,12 @@ fn one_of_two_is_chosen_whatever_their_kinds() {
 
 #[test]
 fn sensors_see_the_same_polarization_through_all_kinds() {
-    each_case(|throughput, whole, _, k, [_, axis, _]| {
+    sees::<3>();
+    sees::<4>();
+}
+
+fn sees<const S: usize>() {
+    each_case::<S>(|throughput, whole, _, k, [_, axis, _]| {
         let (sights, expected) = (throughput.sights(), whole.sights());
         let sum: f32 = (0..N).map(|w| whole.first_column(w)[0]).sum();
         // numbers below 0.05 make quotients of rounding
@@ -182,19 +215,26 @@ fn sensors_see_the_same_polarization_through_all_kinds() {
 
 #[test]
 fn what_waits_comes_back() {
-    each_case(|throughput, _, _, _, [axis, ..]| {
+    waits::<3>();
+    waits::<4>();
+}
+
+fn waits<const S: usize>() {
+    each_case::<S>(|throughput, _, _, _, [axis, ..]| {
         let mut rows = Rows::<{ 3 + 16 * N }>::default();
         throughput.put(&mut rows, 0, Packed::new(5, true));
         let kind = throughput.kind();
-        let back = T::taken(&rows, 0, Columns::From(5), kind);
+        let back = T::<S>::taken(&rows, 0, Columns::From(5), kind);
         assert!(back.kind() == kind && agree(&back, throughput));
-        let part = T::taken_for_unpolarized(&rows, 0, Columns::From(5), kind);
+        let mut light = [0.0; S];
+        light[0] = 0.3;
+        let part = T::<S>::taken_for_unpolarized(&rows, 0, Columns::From(5), kind);
         for w in 0..N {
             assert!(near(part.first_column(w), throughput.first_column(w)));
-            let light = part.times(w, [0.3, 0.0, 0.0, 0.0], (1.0, 0.0));
+            let seen = part.times(w, light, (1.0, 0.0));
             assert!(near(
-                light,
-                as_whole(throughput, axis).times(w, [0.3, 0.0, 0.0, 0.0], (1.0, 0.0))
+                seen,
+                as_whole(throughput, axis).times(w, light, (1.0, 0.0))
             ));
         }
     });

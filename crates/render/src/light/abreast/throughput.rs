@@ -5,8 +5,8 @@
 use glam::Vec3A;
 
 use super::algebra::{
-    Matrices, dot, double_angles, row_times_element, scaled_vector, times_elements, times_vector,
-    turned_columns, turned_element, turned_row, turned_vector,
+    Matrices, dot, double_angles, first, row_times_element, scaled_vector, times_elements,
+    times_vector, turned_columns, turned_element, turned_row, turned_vector,
 };
 use super::polarized::Answers;
 use super::{Sights, each_wavelength};
@@ -14,7 +14,7 @@ use crate::lanes::{Columns, Mask, Packed, Real, Rows, V3};
 
 /// Mueller matrices of paths, from the frame of `axis` to that of the sensor, all of one kind.
 #[derive(Clone, Copy, Debug)]
-pub enum Throughputs<R, const N: usize> {
+pub enum Throughputs<R, const N: usize, const S: usize> {
     /// One: nothing has been met yet.
     Unit {
         /// First axis of the Stokes frame.
@@ -25,21 +25,21 @@ pub enum Throughputs<R, const N: usize> {
         /// First axis of the Stokes frame.
         axis: V3<R>,
         /// By columns.
-        matrices: [Matrices<R>; N],
+        matrices: [Matrices<R, S>; N],
     },
     /// A column times a row: the path has met a depolarizer.
     Product {
         /// First axis of the Stokes frame.
         axis: V3<R>,
         /// What of the path the sensor sees.
-        columns: [[R; 4]; N],
+        columns: [[R; S]; N],
         /// What of light goes that way.
-        rows: [[R; 4]; N],
+        rows: [[R; S]; N],
     },
     /// A column times (1, 0, 0, 0): only the radiance matters, since the path has just met a depolarizer.
     Column {
         /// What of the path the sensor sees.
-        columns: [[R; 4]; N],
+        columns: [[R; S]; N],
     },
 }
 
@@ -48,23 +48,26 @@ const WHOLE: usize = 1;
 const PRODUCT: usize = 2;
 const COLUMN: usize = 3;
 
-/// A vector of numbers in as many rows.
+/// Vectors of numbers in as many rows.
 #[inline(always)]
-fn four<R: Real, const ROWS: usize>(rows: &Rows<ROWS>, row: usize, columns: Columns<R>) -> [R; 4] {
-    [
-        rows.get(row, columns),
-        rows.get(row + 1, columns),
-        rows.get(row + 2, columns),
-        rows.get(row + 3, columns),
-    ]
+fn vectors<R: Real, const S: usize, const ROWS: usize>(
+    rows: &Rows<ROWS>,
+    row: usize,
+    columns: Columns<R>,
+) -> [R; S] {
+    let mut all = [R::zero(); S];
+    for (k, to) in all.iter_mut().enumerate() {
+        *to = rows.get(row + k, columns);
+    }
+    all
 }
 
 #[inline(always)]
-fn put_four<R: Real, const ROWS: usize>(
+fn put_vectors<R: Real, const S: usize, const ROWS: usize>(
     rows: &mut Rows<ROWS>,
     row: usize,
     columns: Packed<R>,
-    v: &[R; 4],
+    v: &[R; S],
 ) {
     for (k, value) in v.iter().enumerate() {
         rows.put(row + k, columns, *value);
@@ -72,7 +75,7 @@ fn put_four<R: Real, const ROWS: usize>(
 }
 
 #[inline(always)]
-fn select_four<R: Real>(mask: R::M, a: &[R; 4], b: &[R; 4]) -> [R; 4] {
+fn select_vectors<R: Real, const S: usize>(mask: R::M, a: &[R; S], b: &[R; S]) -> [R; S] {
     let mut chosen = *b;
     for (to, a) in chosen.iter_mut().zip(a) {
         *to = R::select(mask, *a, *to);
@@ -80,12 +83,12 @@ fn select_four<R: Real>(mask: R::M, a: &[R; 4], b: &[R; 4]) -> [R; 4] {
     chosen
 }
 
-impl<R: Real, const N: usize> Throughputs<R, N> {
+impl<R: Real, const N: usize, const S: usize> Throughputs<R, N, S> {
     /// The first column, of one wavelength.
     #[inline(always)]
-    pub(super) fn first_column(&self, w: usize) -> [R; 4] {
+    pub(super) fn first_column(&self, w: usize) -> [R; S] {
         match self {
-            Self::Unit { .. } => [R::one(), R::zero(), R::zero(), R::zero()],
+            Self::Unit { .. } => first(),
             Self::Whole { matrices, .. } => matrices[w][0],
             Self::Product { columns, rows, .. } => scaled_vector(columns[w], rows[w][0]),
             Self::Column { columns } => columns[w],
@@ -105,7 +108,7 @@ impl<R: Real, const N: usize> Throughputs<R, N> {
 
     /// A Stokes vector in a frame that is turned by the double angle, as the sensor sees it, of one wavelength.
     #[inline(always)]
-    pub(super) fn times(&self, w: usize, v: [R; 4], turn: (R, R)) -> [R; 4] {
+    pub(super) fn times(&self, w: usize, v: [R; S], turn: (R, R)) -> [R; S] {
         match self {
             Self::Unit { .. } => turned_vector(v, turn),
             Self::Whole { matrices, .. } => times_vector(&matrices[w], turned_vector(v, turn)),
@@ -116,14 +119,29 @@ impl<R: Real, const N: usize> Throughputs<R, N> {
         }
     }
 
+    /// The same of unpolarized light, with the same bits.
+    #[inline(always)]
+    pub(super) fn times_unpolarized(&self, w: usize, s0: R) -> [R; S] {
+        match self {
+            Self::Product { columns, rows, .. } => scaled_vector(columns[w], rows[w][0] * s0),
+            _ => scaled_vector(self.first_column(w), s0),
+        }
+    }
+
     /// The same of light whose state is (a, b, 0, 0).
     #[inline(always)]
-    pub(super) fn times_linear(&self, w: usize, [a, b]: [R; 2], (c, s): (R, R)) -> [R; 4] {
+    pub(super) fn times_linear(&self, w: usize, [a, b]: [R; 2], (c, s): (R, R)) -> [R; S] {
         match self {
-            Self::Unit { .. } => [a, c * b, s * b, R::zero()],
+            Self::Unit { .. } => {
+                let mut v = [R::zero(); S];
+                v[0] = a;
+                v[1] = c * b;
+                v[2] = s * b;
+                v
+            }
             Self::Whole { matrices, .. } => {
                 let (m, b1, b2) = (&matrices[w], c * b, s * b);
-                let mut sum = [R::zero(); 4];
+                let mut sum = [R::zero(); S];
                 for (row, to) in sum.iter_mut().enumerate() {
                     *to = m[0][row] * a + m[1][row] * b1 + m[2][row] * b2;
                 }
@@ -139,9 +157,9 @@ impl<R: Real, const N: usize> Throughputs<R, N> {
 
     /// As whole matrices.
     #[inline(always)]
-    pub(super) fn whole(&self) -> (V3<R>, [Matrices<R>; N]) {
+    pub(super) fn whole(&self) -> (V3<R>, [Matrices<R, S>; N]) {
         let (zero, one) = (R::zero(), R::one());
-        let mut all = [[[zero; 4]; 4]; N];
+        let mut all = [[[zero; S]; S]; N];
         let mut axis = V3::splat(Vec3A::Z);
         match self {
             Self::Unit { axis: own } => {
@@ -182,8 +200,8 @@ impl<R: Real, const N: usize> Throughputs<R, N> {
 
     /// Longer by a vertex, weighted; `k_out` is the direction of light that leaves it.
     #[inline(always)]
-    pub(super) fn extended(&self, answer: &Answers<R, N>, weight: R, k_out: V3<R>) -> Self {
-        let (no_matrix, no_vector) = ([[R::zero(); 4]; 4], [R::zero(); 4]);
+    pub(super) fn extended(&self, answer: &Answers<R, N, S>, weight: R, k_out: V3<R>) -> Self {
+        let (no_matrix, no_vector) = ([[R::zero(); S]; S], [R::zero(); S]);
         match answer {
             Answers::Depolarizing(m00) => Throughputs::Column {
                 columns: each_wavelength!(
@@ -231,7 +249,10 @@ impl<R: Real, const N: usize> Throughputs<R, N> {
                         columns: *columns,
                         rows: each_wavelength!(w, no_vector, {
                             let e = elements[w].scaled(weight);
-                            [e.mean, e.difference, R::zero(), R::zero()]
+                            let mut row = no_vector;
+                            row[0] = e.mean;
+                            row[1] = e.difference;
+                            row
                         }),
                     },
                 }
@@ -276,8 +297,11 @@ impl<R: Real, const N: usize> Throughputs<R, N> {
                         axis,
                         columns: *columns,
                         rows: each_wavelength!(w, no_vector, {
-                            let m = &answers[w];
-                            scaled_vector([m[0][0], m[1][0], m[2][0], m[3][0]], weight)
+                            let mut row = no_vector;
+                            for (to, column) in row.iter_mut().zip(answers[w]) {
+                                *to = column[0] * weight;
+                            }
+                            row
                         }),
                     },
                 }
@@ -288,7 +312,7 @@ impl<R: Real, const N: usize> Throughputs<R, N> {
     /// `a` where the mask holds, elsewhere `b`.
     #[inline(always)]
     pub(super) fn select(mask: R::M, a: &Self, b: &Self) -> Self {
-        let no_vector = [R::zero(); 4];
+        let no_vector = [R::zero(); S];
         if let (
             Throughputs::Product {
                 axis,
@@ -307,18 +331,22 @@ impl<R: Real, const N: usize> Throughputs<R, N> {
                 columns: each_wavelength!(
                     w,
                     no_vector,
-                    select_four(mask, &columns[w], &other_columns[w])
+                    select_vectors(mask, &columns[w], &other_columns[w])
                 ),
-                rows: each_wavelength!(w, no_vector, select_four(mask, &rows[w], &other_rows[w])),
+                rows: each_wavelength!(
+                    w,
+                    no_vector,
+                    select_vectors(mask, &rows[w], &other_rows[w])
+                ),
             };
         }
         let ((axis, a), (other_axis, b)) = (a.whole(), b.whole());
         Throughputs::Whole {
             axis: V3::select(mask, axis, other_axis),
-            matrices: each_wavelength!(w, [no_vector; 4], {
+            matrices: each_wavelength!(w, [no_vector; S], {
                 let mut chosen = b[w];
                 for (to, a) in chosen.iter_mut().zip(&a[w]) {
-                    *to = select_four(mask, a, to);
+                    *to = select_vectors(mask, a, to);
                 }
                 chosen
             }),
@@ -344,10 +372,10 @@ impl<R: Real, const N: usize> Throughputs<R, N> {
         columns: Columns<R>,
         kind: usize,
     ) -> Self {
-        let none = [R::zero(); 4];
+        let none = [R::zero(); S];
         if kind == COLUMN {
             return Throughputs::Column {
-                columns: each_wavelength!(w, none, four(rows, row + 4 * w, columns)),
+                columns: each_wavelength!(w, none, vectors(rows, row + S * w, columns)),
             };
         }
         let (axis, row) = (rows.vector(row, columns), row + 3);
@@ -355,15 +383,15 @@ impl<R: Real, const N: usize> Throughputs<R, N> {
             UNIT => Throughputs::Unit { axis },
             PRODUCT => Throughputs::Product {
                 axis,
-                columns: each_wavelength!(w, none, four(rows, row + 8 * w, columns)),
-                rows: each_wavelength!(w, none, four(rows, row + 8 * w + 4, columns)),
+                columns: each_wavelength!(w, none, vectors(rows, row + 2 * S * w, columns)),
+                rows: each_wavelength!(w, none, vectors(rows, row + 2 * S * w + S, columns)),
             },
             _ => Throughputs::Whole {
                 axis,
-                matrices: each_wavelength!(w, [none; 4], {
-                    let mut matrix = [none; 4];
+                matrices: each_wavelength!(w, [none; S], {
+                    let mut matrix = [none; S];
                     for (k, column) in matrix.iter_mut().enumerate() {
-                        *column = four(rows, row + 16 * w + 4 * k, columns);
+                        *column = vectors(rows, row + S * (S * w + k), columns);
                     }
                     matrix
                 }),
@@ -379,17 +407,17 @@ impl<R: Real, const N: usize> Throughputs<R, N> {
         columns: Columns<R>,
         kind: usize,
     ) -> Self {
-        let none = [R::zero(); 4];
+        let none = [R::zero(); S];
         Throughputs::Column {
             columns: each_wavelength!(w, none, {
                 match kind {
-                    UNIT => [R::one(), R::zero(), R::zero(), R::zero()],
-                    COLUMN => four(rows, row + 4 * w, columns),
+                    UNIT => first(),
+                    COLUMN => vectors(rows, row + S * w, columns),
                     PRODUCT => scaled_vector(
-                        four(rows, row + 3 + 8 * w, columns),
-                        rows.get(row + 3 + 8 * w + 4, columns),
+                        vectors(rows, row + 3 + 2 * S * w, columns),
+                        rows.get(row + 3 + 2 * S * w + S, columns),
                     ),
-                    _ => four(rows, row + 3 + 16 * w, columns),
+                    _ => vectors(rows, row + 3 + S * S * w, columns),
                 }
             }),
         }
@@ -408,7 +436,7 @@ impl<R: Real, const N: usize> Throughputs<R, N> {
             Throughputs::Whole { axis, matrices } => {
                 rows.put_vector(row, columns, *axis);
                 for (k, column) in matrices.as_flattened().iter().enumerate() {
-                    put_four(rows, row + 3 + 4 * k, columns, column);
+                    put_vectors(rows, row + 3 + S * k, columns, column);
                 }
             }
             Throughputs::Product {
@@ -418,13 +446,13 @@ impl<R: Real, const N: usize> Throughputs<R, N> {
             } => {
                 rows.put_vector(row, columns, *axis);
                 for (w, (column, factor)) in own.iter().zip(factors).enumerate() {
-                    put_four(rows, row + 3 + 8 * w, columns, column);
-                    put_four(rows, row + 3 + 8 * w + 4, columns, factor);
+                    put_vectors(rows, row + 3 + 2 * S * w, columns, column);
+                    put_vectors(rows, row + 3 + 2 * S * w + S, columns, factor);
                 }
             }
             Throughputs::Column { columns: own } => {
                 for (w, column) in own.iter().enumerate() {
-                    put_four(rows, row + 4 * w, columns, column);
+                    put_vectors(rows, row + S * w, columns, column);
                 }
             }
         }
@@ -478,7 +506,7 @@ impl<R: Real, const N: usize> Throughputs<R, N> {
     /// Times a number a path.
     #[inline(always)]
     pub(super) fn scaled(&self, weight: R) -> Self {
-        let none = [R::zero(); 4];
+        let none = [R::zero(); S];
         match self {
             Throughputs::Column { columns } => Throughputs::Column {
                 columns: each_wavelength!(w, none, scaled_vector(columns[w], weight)),

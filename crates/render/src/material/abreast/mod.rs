@@ -311,7 +311,7 @@ impl Material {
         let (vertices, o, i) = (at.lanes(), at.o.lanes(), i.lanes());
         let mut densities = [0.0; MOST];
         let answers = L::gathered(lanes.bits(), &o, &i, |lane| {
-            let (response, density) = self.respond::<L>(
+            let (response, density) = self.respond::<L::Single>(
                 &vertices[lane],
                 i[lane],
                 part,
@@ -373,7 +373,7 @@ impl Material {
             let part = drawn[lane].map_or(Part::Straight, |way| way.part);
             let waves = &waves[lane][..L::LANES];
             let (at, i) = (&vertices[lane], directions[lane]);
-            self.respond::<L>(at, i, part, waves, &Coherence::PLANE_WAVE)
+            self.respond::<L::Single>(at, i, part, waves, &Coherence::PLANE_WAVE)
                 .0
         });
         Departures {

@@ -24,6 +24,7 @@ use crate::material::abreast::Vertices;
 use crate::sampler::Stream;
 use crate::scene::Scene;
 use crate::scene::abreast::{Encounters, groups};
+use crate::sensor::Camera;
 use crate::shape::abreast::{Rays, Surfaces, offset_origins};
 use light::{Looked, look};
 use waiting::{
@@ -124,6 +125,12 @@ pub struct Beginnings<R> {
 }
 
 impl Wavefront {
+    /// Whether paths of a scene go side by side: matter that asks for the coherence of light has them follow one by one, and
+    /// so has a sensor that is not a pinhole.
+    pub fn follows(scene: &Scene, camera: &Camera) -> bool {
+        !scene.traits().coherent && matches!(camera, Camera::Perspective(_))
+    }
+
     /// Room for the paths of a scene.
     pub fn new(scene: &Scene) -> Self {
         let scatters = |material: u32| !scene.traits_of(material).discrete;

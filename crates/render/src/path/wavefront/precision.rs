@@ -13,7 +13,7 @@ use super::tests::{
     SAMPLES, Samples, built, of_plastic, of_plates, of_rough_matter, of_smooth_matter,
 };
 use crate::lanes::{Double, MOST, Part, Real, Task};
-use crate::light::Polarized;
+use crate::light::abreast::Stokes;
 
 /// One number in double precision.
 #[derive(Clone, Copy, Debug)]
@@ -189,7 +189,7 @@ fn double_precision_finds_the_same_light() {
     .concat()
     {
         let scene = built(&content);
-        let samples = Samples(&scene, PhantomData::<Polarized<1>>);
+        let samples = Samples(&scene, PhantomData::<Stokes<1, 4>>);
         let (single, double) = (samples.run::<f32>(), samples.run::<Fine>());
         assert!(
             single.iter().chain(&double).all(|s| s.is_finite()),

@@ -6,10 +6,12 @@ use std::path::Path;
 use glam::{Vec3A, Vec4};
 
 use super::{Beginnings, Wavefront};
+use crate::film::SpectralMode;
 use crate::lanes::{Bits, COLUMNS, MOST, Real, Task, V3, run_with_each};
-use crate::light::abreast::Abreast;
-use crate::light::{Intensity, Polarized};
+use crate::light::abreast::{Abreast, Stokes};
+use crate::light::{Intensity, Light};
 use crate::path::{CameraSample, Counters, Start, trace};
+use crate::plan::{Components, Plan, Request};
 use crate::sampler::{PixelStream, Stream};
 use crate::scene::{BuiltScene, Overrides, build, read_text};
 use crate::sensor::Camera;
@@ -75,7 +77,7 @@ impl<L: Abreast> Task for Samples<'_, L> {
                 };
                 front.begin::<R, L>(&begin, &wavelengths, &stream, R::LANES);
             }
-            let mut seen = [L::dark(); COLUMNS];
+            let mut seen = [L::Single::dark(); COLUMNS];
             let options = &self.0.paths;
             front.trace::<R, L>(scene, options, &mut stack, &mut counters, &mut seen);
             for stokes in &seen {
@@ -110,7 +112,7 @@ fn walked<L: Abreast>(built: &BuiltScene) -> Vec<Vec4> {
             };
             let options = &built.paths;
             let (stack, counters) = (&mut stack, &mut counters);
-            let seen = trace::<L, _>(scene, options, camera, stack, counters, &mut ());
+            let seen = trace::<L::Single, _>(scene, options, camera, stack, counters, &mut ());
             seen.as_ref().to_vec()
         })
         .collect()
@@ -118,7 +120,7 @@ fn walked<L: Abreast>(built: &BuiltScene) -> Vec<Vec4> {
 
 /// Compares both, and says how many samples differ by more than rounding makes of curved mirrors and glass.
 fn compare(content: &str) {
-    compare_as::<Polarized<1>>(content);
+    compare_as::<Stokes<1, 4>>(content);
 }
 
 /// The same of light with any number of wavelengths, polarized or not.
@@ -257,7 +259,7 @@ fn plastics_are_the_same_side_by_side() {
 #[test]
 fn colours_of_plastics_are_the_same_side_by_side() {
     for content in of_plastic() {
-        compare_as::<Polarized<4>>(&content);
+        compare_as::<Stokes<4, 4>>(&content);
         compare_as::<Intensity<1>>(&content);
         compare_as::<Intensity<4>>(&content);
     }
@@ -304,5 +306,52 @@ fn lights_are_the_same_side_by_side() {
         compare(&format!("{ball}{light}"));
         let alone = format!("<shape type='cube'><transform name='to_world'><scale value='0.5'/></transform>{bsdf}</shape>{light}");
         compare(&alone);
+    }
+}
+
+/// Scenes in which light is linearly polarized, and never circularly.
+fn of_linear_light() -> Vec<String> {
+    let lamp = POLARIZED.replace("1, 0.5, 0.5, 0.5", "1, 0.5, 0.5, 0");
+    let plates = |theta: f64, z: f64| {
+        format!(
+            "<shape type='rectangle'><transform name='to_world'><translate z='{z}'/></transform>
+            <bsdf type='polarizer'><float name='theta' value='{theta}'/></bsdf></shape>"
+        )
+    };
+    let plastic = |kind: &str| {
+        format!(
+            "<bsdf type='twosided'><bsdf type='{kind}'><float name='alpha' value='0.3'/></bsdf></bsdf>"
+        )
+    };
+    vec![
+        ball(&plastic("pplastic")) + &lamp,
+        ball(&plastic("roughplastic")) + &lamp + &plates(20.0, 1.2),
+        ball("<bsdf type='plastic'/>") + &plates(20.0, 1.2) + &plates(75.0, 1.5),
+        format!(
+            "{LAMP}{SKY}{lamp}{}{}",
+            plates(10.0, 0.5),
+            plates(50.0, 0.8)
+        ),
+    ]
+}
+
+#[test]
+fn linear_light_is_the_same_in_three_components() {
+    for content in of_linear_light() {
+        let scene = built(&content);
+        let request = Request {
+            mode: &SpectralMode::Single(550.0),
+            polarized: true,
+            coherence: false,
+            skip: true,
+        };
+        assert_eq!(Plan::of(&scene, &request).stokes, Components::Linear);
+        compare_as::<Stokes<1, 3>>(&content);
+        compare_as::<Stokes<4, 3>>(&content);
+        // what is left out is zero
+        let three = Samples(&scene, PhantomData::<Stokes<1, 3>>).run::<f32>();
+        let four = Samples(&scene, PhantomData::<Stokes<1, 4>>).run::<f32>();
+        assert!(three == four, "{content}");
+        assert!(four.iter().any(|s| s.y.abs() > 0.01));
     }
 }
