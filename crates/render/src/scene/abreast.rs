@@ -95,7 +95,7 @@ pub struct Encounters<R: Real> {
     pub surfaces: Surfaces<R>,
     /// Index of the matter.
     pub materials: R::B,
-    /// Index of the emitter, or [`NONE`].
+    /// Index of the emitter, for those that [shine](Self::shine).
     pub emitters: R::B,
 }
 
