@@ -44,8 +44,8 @@ pixel. `matte box` is the Cornell box with white plaster in place of metal and g
 polarizes there.
 """
 THREADS = """
-One process with a thread a core against one process of one thread a core, all at once, 256 samples a pixel; paths per
-second of the clock while sampling, the two taking turns.
+One process with a thread a core against one process of one thread a core, all at once, 256 samples
+a pixel; paths per second of the clock while sampling, the two taking turns.
 """
 TRIANGLES = """
 A displaced sphere of plastic over a matte floor under one lamp, 256×256, 16 samples; the picture
