@@ -11,9 +11,12 @@
 //! stands in for the angle of refraction everywhere. `w²` is evaluated as `(n₂ − n₁)(n₂ + n₁) + n₁² c²`, which
 //! keeps its digits at grazing incidence and for nearly equal media.
 //!
-//! Amplitudes are accurate to 1e-14/|w| absolutely (w is 0 at the critical angle; see [`amplitudes`] for full accuracy
-//! there), finite and passive, for every `cos_i` in `0.0..=1.0` and indices between 1e-70 and 1e70; η and k above 1e70
-//! count as 1e70. Where an expression is 0/0 (grazing light at equal media, `n₂ = 0`) the light is reflected, −1.
+//! `w²` errs by a few roundings of `max(n₁², |n₂|²)`, hence w by that over |w|, and amplitudes by
+//! `|δr_s| = |δt_s| = 2 n₁ c |δw|/|n₁ c + w|²` and `|δr_p| = |n₂/n₁| |δt_p| = 2 n₁ c |n₂|² |δw|/|n₂² c + n₁ w|²`: below
+//! 1e-14/|w| for the indices of glasses and metals, and more for `t_p` into a medium much thinner than the first (w is 0
+//! at the critical angle; see [`amplitudes`] for full accuracy there). They are finite and passive for every `cos_i` in
+//! `0.0..=1.0` and indices between 1e-70 and 1e70; η and k above 1e70 count as 1e70. Where an expression is 0/0 (grazing
+//! light at equal media, `n₂ = 0`) the light is reflected, −1.
 //!
 //! Source: Born & Wolf, Principles of Optics, 7th ed., section 1.5.2, Eqs. (20), (21) with the p axis of Verdet;
 //! section 14.2 for complex indices.

@@ -21,9 +21,6 @@ use crate::relief::Relief;
 /// Least mean of `u²/4` over the lobe.
 const FINEST: f64 = 1e-24;
 
-/// Area over which light of ten times the lobe's angular width is coherent, over that of the lobe's own.
-const WIDER: f64 = 0.01;
-
 /// Normally distributed heights with a K-correlation ([`KCorrelation`]): `⟨h(x') h(x' − x)⟩ = σ² ρ(x)`.
 ///
 /// `R = e^(−g(1−ρ))` with `g = (φ_z σ)²`, by one mixture of positive Gaussians for every g up to 1e8. The reach of the
@@ -111,13 +108,14 @@ impl Relief for KCorrelatedHeights {
                 expected: "less, or an inner scale of the correlation: detail below 1e-12 correlation lengths makes the lobe",
             });
         }
+        let share = |m: f64| diffuse.share(m);
         let mut best: Option<(Vec<Point>, f64)> = None;
         let mut asked = tolerance.get();
         for _ in 0..4 {
-            let jumps = self.jumps(g, WIDER * tau, asked);
+            let jumps = self.jumps(g, share, asked);
             let budget = Budget {
                 tolerance: asked / 4.0,
-                tau: WIDER * tau,
+                share: &share,
                 end: 0.5 * diffuse.end(asked / 4.0),
                 times: 1.0,
             };
@@ -142,14 +140,14 @@ impl Relief for KCorrelatedHeights {
 }
 
 impl KCorrelatedHeights {
-    /// The rates of ρ and their weights, cut where what is finer adds less than the tolerance to the lobe of R, whose
-    /// mean `1/(2m)`, or that of narrower light, is `tau`: at most `g` times its weight jumps reach there, and each has a lobe below t.
-    fn jumps(&self, g: f64, tau: f64, tolerance: f64) -> Vec<Point> {
+    /// The rates of ρ and their weights, cut where what is finer adds less than the tolerance to the lobe of R: at most
+    /// `g` times its weight jumps reach there, and each has at most the `share` of its rate.
+    fn jumps(&self, g: f64, share: impl Fn(f64) -> f64, tolerance: f64) -> Vec<Point> {
         let mut above = 0.0;
         let mixture = self.correlation.mixture_until(tolerance, |node| {
             above += node.mass;
             let below = node.rest_of_weight(&self.correlation);
-            (g * below / (above + below)).min(1.0) * node.t / tau
+            (g * below / (above + below)).min(1.0) * share(0.5 / node.t)
         });
         let terms = mixture.terms.iter();
         terms.map(|term| [term.rate, term.weight]).collect()

@@ -20,6 +20,9 @@ use crate::accuracy::{Approximation, Method};
 /// Largest roughness `(φ_z σ)²`.
 pub(super) const ROUGHEST: f64 = 1e8;
 
+/// Area of the smallest disk over that of the lobe: light of ten times the lobe's angular width.
+const LEAST_DISK: f64 = 0.02;
+
 /// Step of `ln u`.
 const STEP: f64 = 0.125;
 
@@ -45,8 +48,8 @@ pub(super) struct Diffuse {
     samples: Vec<[f64; 3]>,
     /// `∫ (R − e^(−g)) u du`
     pub(super) area: f64,
-    /// `1 − e^(−g)`
-    total: f64,
+    /// `[u², ∫₀ᵘ (R − e^(−g)) u du]`, from the smallest disk of the measurement outwards.
+    disks: Vec<[f64; 2]>,
 }
 
 impl Diffuse {
@@ -68,12 +71,28 @@ impl Diffuse {
                 break;
             }
         }
-        let total = -(-g).exp_m1();
+        let least = area * LEAST_DISK / -(-g).exp_m1();
+        let mut within = 0.0;
+        let rings = samples.iter().rev().map(|[u2, value, weight]| {
+            within += value * weight;
+            [*u2, within]
+        });
+        let disks = rings.filter(|[u2, _]| *u2 >= least).collect();
         Self {
             samples,
             area,
-            total,
+            disks,
         }
+    }
+
+    /// Bound on the lobe of a Gaussian of the rate m and the weight 1 over that of R, in the light that is meant above.
+    ///
+    /// Over a disk the Gaussian's integral is at most `min(u²/2, 1/m)`, and that of R grows slower than the disk: the
+    /// ratio is largest at `u² = 2/m`, or over the smallest disk.
+    pub(super) fn share(&self, m: f64) -> f64 {
+        let place = self.disks.partition_point(|[u2, _]| *u2 * m < 2.0);
+        let held = self.disks.get(place.saturating_sub(1));
+        held.map_or(1.0, |[_, within]| 1.0 / (m * within))
     }
 
     /// `u²` beyond which this share of the lobe at 0 lies.
@@ -88,13 +107,13 @@ impl Diffuse {
 
     /// Bound on the lobe's error over its largest value for this measure of rates, in the light that is meant above.
     pub(super) fn error(&self, points: &[Point]) -> f64 {
-        let least = self.area / 50.0;
+        let least = self.disks.first().map_or(0.0, |[u2, _]| *u2);
         let (mut off, mut whole, mut worst) = (0.0, 0.0, 0.0_f64);
         for &[u2, value, weight] in self.samples.iter().rev() {
             let sum: f64 = points.iter().map(|[m, w]| w * (-0.5 * m * u2).exp()).sum();
             off += (sum - value).abs() * weight;
             whole += value * weight;
-            if u2 >= least / self.total {
+            if u2 >= least {
                 worst = worst.max(off / whole);
             }
         }

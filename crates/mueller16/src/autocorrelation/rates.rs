@@ -18,26 +18,26 @@ const BIN: f64 = std::f64::consts::LN_2;
 const MOST: usize = 12;
 
 /// The error that gathering may make of the mixture in which it ends.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Budget {
+#[derive(Clone, Copy)]
+pub(super) struct Budget<'a> {
     /// Of the last mixture's lobe, over its largest value.
     pub(super) tolerance: f64,
-    /// Mean `1/(2m)` of the last mixture, which is its lobe at 0.
-    pub(super) tau: f64,
+    /// Bound on the lobe of a Gaussian of the rate m and the weight 1 over that lobe.
+    pub(super) share: &'a dyn Fn(f64) -> f64,
     /// `u²/2` beyond which less than the tolerance of that lobe lies.
     pub(super) end: f64,
     /// How often the points enter the last mixture: the power to which this one is raised.
     pub(super) times: f64,
 }
 
-impl Budget {
+impl Budget<'_> {
     /// The number of points for a bin of the rates m to 2 m and this weight.
     ///
     /// The mixture errs by at most `4 (m w/4)^(2n) e^(−m w)/(2n)!` of the weight at `w = u²/2`, which is largest at
     /// `m w = 2n` or at the end of the last mixture, and its lobe by no more than the bin's own.
     fn points(&self, m: f64, weight: f64) -> usize {
         let end = m * self.end;
-        let share = self.times * weight * (0.5 / (m * self.tau)).min(1.0);
+        let share = self.times * weight * (self.share)(m);
         let mut factorial = 1.0;
         for n in 1..MOST {
             let order = 2.0 * n as f64;
@@ -159,20 +159,15 @@ fn normalized(points: &[Point], total: f64) -> Vec<Point> {
 /// What is left of a compound Poisson law besides its atom at 0, of weight `e^(−g)`: the measure of
 /// `e^(−g(1−ρ)) − e^(−g)` for the mixture ρ of `jumps`, whose weights add up to 1.
 ///
-/// The budget is that of the result, of which these are given: its tolerance, the mean `1/(2m)` and the end.
+/// The budget is that of the result.
 ///
 /// The first `g/2^J ≤ 1/8` is the Poisson sum, nested as `μ = a ρ (1 + a/2 ρ (1 + a/3 ρ …))`; J squares follow.
-pub(super) fn compound_poisson(jumps: &[Point], g: f64, result: &Budget) -> Vec<Point> {
+pub(super) fn compound_poisson(jumps: &[Point], g: f64, result: &Budget<'_>) -> Vec<Point> {
     let doublings = (8.0 * g).log2().ceil().max(0.0);
     let a = g / doublings.exp2();
-    // errors are relative to this part, which is next to nothing where g is small
-    let part = -(-g).exp_m1();
     let gather = |points: &[Point], times: f64| {
-        let budget = Budget {
-            tau: result.tau / part,
-            times: times / part,
-            ..*result
-        };
+        let times = times * result.times;
+        let budget = Budget { times, ..*result };
         gathered(points, |m, weight| budget.points(m, weight))
     };
     // the first power that is left out, of which all squares have `2^J`
@@ -197,5 +192,5 @@ pub(super) fn compound_poisson(jumps: &[Point], g: f64, result: &Budget) -> Vec<
         sum = gather(&all, (doublings - f64::from(j)).exp2());
         atom *= atom;
     }
-    normalized(&sum, part)
+    normalized(&sum, -(-g).exp_m1())
 }

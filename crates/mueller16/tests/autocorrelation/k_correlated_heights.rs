@@ -261,6 +261,24 @@ fn what_cannot_be_held_is_said() {
     assert!(text.contains("inner scale"), "{text}");
 }
 
+#[test]
+fn a_narrow_core_does_not_hide_the_wide_lobe_below_it() {
+    // a millionth of R decays over a correlation length and makes most of the lobe, the rest over the inner scale
+    for (exponent, inner) in [(0.6, 1e-3), (0.6, 1e-4), (0.5, 1e-3), (1.0, 1e-3)] {
+        let correlation = KCorrelation::with_inner_scale(&unit(), exponent, inner).unwrap();
+        let surface = KCorrelatedHeights::new(1.0, correlation).unwrap();
+        for g in [1.0, 10.05, 30.0] {
+            for tolerance in [1e-3, 2e-4, 1e-6] {
+                let (_, chosen) = rough(&surface, g, tolerance);
+                assert!(
+                    chosen.error <= tolerance,
+                    "{exponent} {inner} {g} {tolerance:e}: {chosen:?}"
+                );
+            }
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
     #[test]
@@ -286,7 +304,7 @@ proptest! {
     }
 }
 
-/// Prints number of terms, error and time: `cargo test -p mueller16 --release --test spectrum_heights -- --ignored --nocapture`.
+/// Prints number of terms, error and time: `cargo test -p mueller16 --release --test autocorrelation -- --ignored --nocapture`.
 #[test]
 #[ignore = "prints figures"]
 fn figures() {
