@@ -187,8 +187,9 @@ impl CrystalStack {
 
     /// Jones matrices with all internal reflections in phase.
     ///
-    /// Source and accuracy: the page of [`crate::birefringent`]. Power is conserved to 1e-13 in lossless stacks. In
-    /// media of equal index without layers the error grows as `f64::EPSILON/cos_i` toward grazing incidence.
+    /// Source and accuracy: the page of [`crate::birefringent`]. Power is conserved to 1e-13 in lossless stacks, and to
+    /// that times the finesse where evanescent layers make a resonator. In media of equal index without layers the
+    /// error grows as `f64::EPSILON/cos_i` toward grazing incidence.
     #[must_use]
     pub fn coherent(&self, incidence: &Incidence, wavelength: Wavelength) -> PlateJones {
         if let Some(all) = self.coherent_by_waves(incidence, wavelength) {

@@ -76,6 +76,45 @@ fn power(side: &JonesSide) -> Matrix2<Complex64> {
     r.adjoint() * r + t.adjoint() * t * Complex64::from(side.power_weight[0])
 }
 
+/// What roundings are worth that act as changes of the optical depths k₀ d, of the largest of which `deepest` is a bound.
+///
+/// A hundred `f64::EPSILON (1 + k₀ d)`, a dozen operations in each of some ten doublings, times the change of all
+/// matrices with the depth: the finesse next to a resonance.
+fn rounding<const N: usize>(
+    deepest: f64,
+    deepened: impl Fn(f64) -> [Matrix2<Complex64>; N],
+) -> f64 {
+    const STEP: f64 = 1e-7;
+    let (before, after) = (deepened(0.0), deepened(STEP));
+    let changes = before.iter().zip(&after).map(|(a, b)| (a - b).norm());
+    128.0 * f64::EPSILON * (1.0 + deepest) * changes.sum::<f64>() / STEP
+}
+
+/// The same for both sides of a stack.
+fn rounding_of(
+    deepest: f64,
+    n1: f64,
+    layers: &[CrystalLayer],
+    exit: f64,
+    incidence: &Incidence,
+) -> f64 {
+    rounding(deepest, |by| {
+        let deepened = layers.iter().map(|layer| CrystalLayer {
+            thickness: layer.thickness + by * LAMBDA / TAU,
+            ..layer.clone()
+        });
+        let stack = CrystalStack::new(n1, deepened.collect(), exit.into()).unwrap();
+        let plate = stack.coherent(incidence, light());
+        let back = plate.back.unwrap_or(plate.front);
+        [
+            plate.front.reflection.to_matrix(),
+            plate.front.transmission.to_matrix(),
+            back.reflection.to_matrix(),
+            back.transmission.to_matrix(),
+        ]
+    })
+}
+
 proptest! {
     #[test]
     fn isotropic_layers_are_films(
@@ -89,12 +128,13 @@ proptest! {
             crystals.push(CrystalLayer { crystal: Crystal::isotropic(index).unwrap(), thickness });
         }
         let film = film::Stack::new(n1, films, exit.into()).unwrap().amplitudes(cos_i, light());
+        let tolerance = 1e-12 + rounding_of(2.0 * TAU, n1, &crystals, exit, &at(cos_i, azimuth));
         let stack = CrystalStack::new(n1, crystals, exit.into()).unwrap();
         let plate = stack.coherent(&at(cos_i, azimuth), light()).front;
-        prop_assert!(distance(&plate.reflection, &film.reflection()) < 1e-12);
+        prop_assert!(distance(&plate.reflection, &film.reflection()) < tolerance);
         // an evanescent field behind a resonance is the larger, and its error with the square
         let field = 1.0 + film.transmission().to_matrix().norm_squared();
-        prop_assert!(distance(&plate.transmission, &film.transmission()) < 1e-12 * field);
+        prop_assert!(distance(&plate.transmission, &film.transmission()) < tolerance * field);
         prop_assert_eq!(plate.power_weight, film.power_weight);
     }
 
@@ -103,10 +143,13 @@ proptest! {
         n1 in 1.0..2.5f64, exit in 1.0..2.5f64, layers in layers(lossless(), 1e4), cos_i in cosine(),
         azimuth in -4.0..4.0f64,
     ) {
-        let plate = CrystalStack::new(n1, layers, exit.into()).unwrap().coherent(&at(cos_i, azimuth), light());
+        let stack = CrystalStack::new(n1, layers.clone(), exit.into()).unwrap();
+        let plate = stack.coherent(&at(cos_i, azimuth), light());
         for side in [Some(plate.front), plate.back].into_iter().flatten() {
             let error = (power(&side) - Matrix2::identity()).norm();
-            prop_assert!(error < 1e-12, "{}", error);
+            // a phase takes no power, however deep
+            let amplified = || rounding_of(0.0, n1, &layers, exit, &at(cos_i, azimuth));
+            prop_assert!(error < 1e-12 || error < 1e-12 + amplified(), "{}", error);
         }
     }
 
@@ -130,8 +173,8 @@ proptest! {
         azimuth in -4.0..4.0f64,
     ) {
         // the reversed ray has the opposite tangential wave vector: azimuth + π
-        // 4 f64::EPSILON k₀ d |M| is 2e-13 here; evanescent layers make resonators, of finesse up to 50
-        let tolerance = 1e-11;
+        // 4 f64::EPSILON k₀ d |M| is 2e-13 for each of three layers, of a few bounces; evanescent layers make resonators
+        let tolerance = 2e-12 + rounding_of(5.0 * TAU, n1, &layers, exit, &at(cos_i, azimuth));
         let stack = CrystalStack::new(n1, layers, exit.into()).unwrap();
         let there = stack.coherent(&at(cos_i, azimuth), light());
         let again = stack.coherent(&at(cos_i, azimuth + PI), light());
@@ -190,12 +233,19 @@ proptest! {
             .then(&directions.propagation(TAU * depth))
             .then(&empty.between(&directions.waves, &behind));
         let generator = Generator::new(&crystal, xi, azimuth);
-        let doubled = Scattering::of_layer(&generator, TAU * depth, crystal.is_lossless()).between(&before, &behind);
-        // 4 f64::EPSILON k₀ d |M| is 3e-13, times a finesse of up to 30; forward and backward waves that nearly
-        // coincide are split to the root of rounding
+        let slices = |deeper: f64| {
+            Scattering::of_layer(&generator, TAU * depth + deeper, crystal.is_lossless()).between(&before, &behind)
+        };
+        let doubled = slices(0.0);
+        let amplified = rounding(TAU * depth, |deeper| {
+            let all = slices(deeper);
+            [all.reflection, all.transmission, all.back_reflection]
+        });
+        // 4 f64::EPSILON k₀ d |M| is 3e-13; forward and backward waves that nearly coincide are split to the root of
+        // rounding
         let (m, s) = half_space::eigenvalues(&directions.forward);
         let gap = (m + s).norm().min((m - s).norm());
-        let tolerance = 1e-11 + 1e-12 / gap.powi(3).max(1e-9);
+        let tolerance = 1e-12 + amplified + 1e-12 / gap.powi(3).max(1e-9);
         let error = (bounces.reflection - doubled.reflection).norm()
                 + (bounces.transmission - doubled.transmission).norm()
             + (bounces.back_reflection - doubled.back_reflection).norm();
