@@ -166,8 +166,14 @@ pub(super) fn scaled_vector<R: Real, const S: usize>(v: [R; S], weight: R) -> [R
 /// (1, 0, 0, 0).
 #[inline(always)]
 pub(super) fn first<R: Real, const S: usize>() -> [R; S] {
+    unpolarized(R::one())
+}
+
+/// (`s0`, 0, 0, 0).
+#[inline(always)]
+pub(super) fn unpolarized<R: Real, const S: usize>(s0: R) -> [R; S] {
     let mut column = [R::zero(); S];
-    column[0] = R::one();
+    column[0] = s0;
     column
 }
 

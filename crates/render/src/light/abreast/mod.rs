@@ -121,7 +121,7 @@ impl<R: Real> Sights<R> {
 }
 
 /// Kinds of throughputs, at most.
-pub const KINDS: usize = 4;
+pub const KINDS: usize = 6;
 
 /// Light along paths side by side.
 pub trait Abreast: Copy + std::fmt::Debug + Send + Sync + 'static {

@@ -26,6 +26,26 @@ pub enum Answers<R, const N: usize, const S: usize> {
     General(V3<R>, V3<R>, [Matrices<R, S>; N]),
 }
 
+/// What sensors see, a path a lane.
+#[derive(Clone, Copy, Debug)]
+pub enum Seen<R, const N: usize, const S: usize> {
+    /// A Stokes vector a wavelength.
+    Polarized([[R; S]; N]),
+    /// S0 a wavelength, where the path makes no polarized light.
+    Intensity([R; N]),
+}
+
+/// What of a throughput is seen: a Stokes vector each wavelength, or where it shows no more its first component.
+macro_rules! seen_through {
+    ($throughput:expr, $w:ident, $value:expr) => {
+        if $throughput.shows_intensity_alone() {
+            Seen::Intensity(each_wavelength!($w, R::zero(), $value[0]))
+        } else {
+            Seen::Polarized(each_wavelength!($w, [R::zero(); S], $value))
+        }
+    };
+}
+
 impl<const N: usize, const S: usize> Abreast for Stokes<N, S> {
     type Single = Polarized<N>;
     type Stokes = [Vec4; N];
@@ -37,7 +57,7 @@ impl<const N: usize, const S: usize> Abreast for Stokes<N, S> {
     type Diagonals<R: Real> = [Elements<R>; N];
     type Answers<R: Real> = Answers<R, N, S>;
     type Throughputs<R: Real> = Throughputs<R, N, S>;
-    type Seen<R: Real> = [[R; S]; N];
+    type Seen<R: Real> = Seen<R, N, S>;
 
     #[inline(always)]
     fn values<R: Real>(value: R) -> [R; N] {
@@ -156,17 +176,16 @@ impl<const N: usize, const S: usize> Abreast for Stokes<N, S> {
         light: &Shine<[R; N], R>,
         k: V3<R>,
         weight: R,
-    ) -> [[R; S]; N] {
-        let none = [R::zero(); S];
+    ) -> Seen<R, N, S> {
         match &light.state {
-            None => each_wavelength!(
+            None => seen_through!(
+                throughput,
                 w,
-                none,
                 throughput.times_unpolarized(w, light.radiance[w] * weight)
             ),
             Some((axis, states)) => {
                 let turn = throughput.turn_to(*axis, k);
-                each_wavelength!(w, none, {
+                seen_through!(throughput, w, {
                     let s0 = light.radiance[w] * weight;
                     let state = state_of(s0, [states[0][w], states[1][w], states[2][w]]);
                     throughput.times(w, state, turn)
@@ -182,12 +201,19 @@ impl<const N: usize, const S: usize> Abreast for Stokes<N, S> {
         light: &Shine<[R; N], R>,
         k_in: V3<R>,
         weight: R,
-    ) -> [[R; S]; N] {
-        let none = [R::zero(); S];
+    ) -> Seen<R, N, S> {
         match answer {
-            Answers::Depolarizing(m00) => each_wavelength!(
+            // a first depolarizer hides what the sensor sees of polarization
+            Answers::Depolarizing(m00) if matches!(throughput, Throughputs::Unit { .. }) => {
+                Seen::Intensity(each_wavelength!(
+                    w,
+                    R::zero(),
+                    m00[w] * light.radiance[w] * weight
+                ))
+            }
+            Answers::Depolarizing(m00) => seen_through!(
+                throughput,
                 w,
-                none,
                 scaled_vector(
                     throughput.first_column(w),
                     m00[w] * light.radiance[w] * weight
@@ -197,14 +223,14 @@ impl<const N: usize, const S: usize> Abreast for Stokes<N, S> {
                 let turn = throughput.turn_to(*axis, k_out);
                 if light.state.is_none() {
                     // of the element the first column is enough
-                    return each_wavelength!(w, none, {
+                    return seen_through!(throughput, w, {
                         let (e, radiance) = (&elements[w], light.radiance[w] * weight);
                         let after = [e.mean * radiance, e.difference * radiance];
                         throughput.times_linear(w, after, turn)
                     });
                 }
                 let light = arriving(*axis, light, k_in, weight);
-                each_wavelength!(w, none, {
+                seen_through!(throughput, w, {
                     let (e, v) = (&elements[w], light[w]);
                     throughput.times(w, element_times_vector(e, v), turn)
                 })
@@ -212,32 +238,44 @@ impl<const N: usize, const S: usize> Abreast for Stokes<N, S> {
             Answers::General(out, inward, matrices) => {
                 let turn = throughput.turn_to(*out, k_out);
                 if light.state.is_none() {
-                    return each_wavelength!(w, none, {
+                    return seen_through!(throughput, w, {
                         let column = matrices[w][0];
                         let after = scaled_vector(column, light.radiance[w] * weight);
                         throughput.times(w, after, turn)
                     });
                 }
                 let light = arriving(*inward, light, k_in, weight);
-                each_wavelength!(w, none, {
+                seen_through!(throughput, w, {
                     throughput.times(w, times_vector(&matrices[w], light[w]), turn)
                 })
             }
         }
     }
     #[inline(always)]
-    fn add_to<R: Real>(sums: &mut [[Vec4; N]], samples: R::B, seen: &[[R; S]; N], lanes: R::M) {
+    fn add_to<R: Real>(sums: &mut [[Vec4; N]], samples: R::B, seen: &Seen<R, N, S>, lanes: R::M) {
         let samples = samples.lanes();
-        for w in 0..N {
-            let mut components = [[0.0; MOST]; 4];
-            for (to, component) in components.iter_mut().zip(&seen[w]) {
-                *to = component.lanes();
+        match seen {
+            Seen::Intensity(seen) => {
+                for w in 0..N {
+                    let s0 = seen[w].lanes();
+                    each(lanes.bits(), |lane| {
+                        sums[samples[lane] as usize][w].x += s0[lane];
+                    });
+                }
             }
-            let [a, b, c, d] = components;
-            each(lanes.bits(), |lane| {
-                let more = vec4(a[lane], b[lane], c[lane], d[lane]);
-                sums[samples[lane] as usize][w] += more;
-            });
+            Seen::Polarized(seen) => {
+                for w in 0..N {
+                    let mut components = [[0.0; MOST]; 4];
+                    for (to, component) in components.iter_mut().zip(&seen[w]) {
+                        *to = component.lanes();
+                    }
+                    let [a, b, c, d] = components;
+                    each(lanes.bits(), |lane| {
+                        let more = vec4(a[lane], b[lane], c[lane], d[lane]);
+                        sums[samples[lane] as usize][w] += more;
+                    });
+                }
+            }
         }
     }
     #[inline(always)]

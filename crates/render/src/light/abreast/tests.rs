@@ -1,8 +1,12 @@
 //! Claim: a throughput of any kind, of four Stokes components or three, does what the whole matrices do that it stands for.
 
-use super::polarized::Answers;
+use std::num::Wrapping;
+
+use glam::Vec4;
+
+use super::polarized::{Answers, Stokes};
 use super::throughput::Throughputs;
-use super::{Elements, KINDS};
+use super::{Abreast, Elements, KINDS, Shine};
 use crate::lanes::{Columns, Packed, Rows, V3};
 use crate::sampler::{SampleStream, uniform_sphere};
 
@@ -58,6 +62,10 @@ impl Numbers {
                 rows,
             },
             Throughputs::Column { columns },
+            Throughputs::Row { axis, rows },
+            Throughputs::Scalar {
+                factors: rows.map(|row| row[0]),
+            },
         ];
         assert_eq!(all[kind].kind(), kind);
         all[kind]
@@ -92,7 +100,7 @@ fn as_whole<const S: usize>(throughput: &T<S>, axis: V3<f32>) -> T<S> {
 /// Whether both are the same matrices in the same frame; what has no frame fits any.
 fn agree<const S: usize>(a: &T<S>, b: &T<S>) -> bool {
     let ((axis_a, a_whole), (axis_b, b_whole)) = (a.whole(), b.whole());
-    let free = |t: &T<S>| matches!(t, Throughputs::Column { .. });
+    let free = |t: &T<S>| matches!(t, Throughputs::Column { .. } | Throughputs::Scalar { .. });
     let same = free(a) || free(b) || (axis_a - axis_b).squared() == 0.0;
     let (a, b) = (
         a_whole.as_flattened().as_flattened(),
@@ -169,6 +177,44 @@ fn passes<const S: usize>() {
             state[0] = v[0];
             let seen = throughput.times_unpolarized(w, v[0]);
             assert!(seen == throughput.times(w, state, turn));
+        }
+    });
+}
+
+#[test]
+fn sensors_see_the_same_light_through_all_kinds() {
+    shines::<3>();
+    shines::<4>();
+}
+
+/// What is added to the sums of a camera sample.
+fn added<const S: usize>(seen: <Stokes<N, S> as Abreast>::Seen<f32>) -> [Vec4; N] {
+    let mut sums = [[Vec4::ZERO; N]; 2];
+    Stokes::<N, S>::add_to::<f32>(&mut sums, Wrapping(1), &seen, true);
+    assert_eq!(sums[0], [Vec4::ZERO; N]);
+    sums[1]
+}
+
+fn shines<const S: usize>() {
+    type L<const S: usize> = Stokes<N, S>;
+    each_case::<S>(|throughput, whole, numbers, k, [axis, out, inward]| {
+        let mut radiance = || std::array::from_fn(|_| numbers.next());
+        let (radiance, state) = (radiance(), [radiance(), radiance(), radiance()]);
+        for state in [None, Some((axis, state))] {
+            let (light, weight) = (Shine { radiance, state }, numbers.next());
+            let [seen, expected] =
+                [throughput, whole].map(|t| added::<S>(L::<S>::seen(t, &light, k, weight)));
+            for w in 0..N {
+                assert!(near(seen[w].to_array(), expected[w].to_array()));
+            }
+            for answer in numbers.answers(out, inward) {
+                let [seen, expected] = [throughput, whole]
+                    .map(|t| added::<S>(L::<S>::seen_through(t, &answer, k, &light, k, weight)));
+                for w in 0..N {
+                    let (seen, expected) = (seen[w].to_array(), expected[w].to_array());
+                    assert!(near(seen, expected), "{seen:?} {expected:?}");
+                }
+            }
         }
     });
 }

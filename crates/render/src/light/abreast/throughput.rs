@@ -6,7 +6,7 @@ use glam::Vec3A;
 
 use super::algebra::{
     Matrices, dot, double_angles, first, row_times_element, scaled_vector, times_elements,
-    times_vector, turned_columns, turned_element, turned_row, turned_vector,
+    times_vector, turned_columns, turned_element, turned_row, turned_vector, unpolarized,
 };
 use super::polarized::Answers;
 use super::{Sights, each_wavelength};
@@ -41,12 +41,26 @@ pub enum Throughputs<R, const N: usize, const S: usize> {
         /// What of the path the sensor sees.
         columns: [[R; S]; N],
     },
+    /// (1, 0, 0, 0) times a row: a depolarizer was the first that the path has met, so that the sensor sees S0 alone.
+    Row {
+        /// First axis of the Stokes frame.
+        axis: V3<R>,
+        /// What of light goes that way.
+        rows: [[R; S]; N],
+    },
+    /// Both: S0 at the sensor over S0 here.
+    Scalar {
+        /// One number a wavelength.
+        factors: [R; N],
+    },
 }
 
 const UNIT: usize = 0;
 const WHOLE: usize = 1;
 const PRODUCT: usize = 2;
 const COLUMN: usize = 3;
+const ROW: usize = 4;
+const SCALAR: usize = 5;
 
 /// Vectors of numbers in as many rows.
 #[inline(always)]
@@ -84,6 +98,12 @@ fn select_vectors<R: Real, const S: usize>(mask: R::M, a: &[R; S], b: &[R; S]) -
 }
 
 impl<R: Real, const N: usize, const S: usize> Throughputs<R, N, S> {
+    /// Whether the sensor sees nothing of it but S0.
+    #[inline(always)]
+    pub(super) fn shows_intensity_alone(&self) -> bool {
+        matches!(self, Self::Row { .. } | Self::Scalar { .. })
+    }
+
     /// The first column, of one wavelength.
     #[inline(always)]
     pub(super) fn first_column(&self, w: usize) -> [R; S] {
@@ -92,6 +112,8 @@ impl<R: Real, const N: usize, const S: usize> Throughputs<R, N, S> {
             Self::Whole { matrices, .. } => matrices[w][0],
             Self::Product { columns, rows, .. } => scaled_vector(columns[w], rows[w][0]),
             Self::Column { columns } => columns[w],
+            Self::Row { rows, .. } => unpolarized(rows[w][0]),
+            Self::Scalar { factors } => unpolarized(factors[w]),
         }
     }
 
@@ -99,10 +121,11 @@ impl<R: Real, const N: usize, const S: usize> Throughputs<R, N, S> {
     #[inline(always)]
     pub(super) fn turn_to(&self, to: V3<R>, k: V3<R>) -> (R, R) {
         match self {
-            Self::Unit { axis } | Self::Whole { axis, .. } | Self::Product { axis, .. } => {
-                double_angles(*axis, to, k)
-            }
-            Self::Column { .. } => (R::one(), R::zero()),
+            Self::Unit { axis }
+            | Self::Whole { axis, .. }
+            | Self::Product { axis, .. }
+            | Self::Row { axis, .. } => double_angles(*axis, to, k),
+            Self::Column { .. } | Self::Scalar { .. } => (R::one(), R::zero()),
         }
     }
 
@@ -116,6 +139,8 @@ impl<R: Real, const N: usize, const S: usize> Throughputs<R, N, S> {
                 scaled_vector(columns[w], dot(rows[w], turned_vector(v, turn)))
             }
             Self::Column { columns } => scaled_vector(columns[w], v[0]),
+            Self::Row { rows, .. } => unpolarized(dot(rows[w], turned_vector(v, turn))),
+            Self::Scalar { factors } => unpolarized(factors[w] * v[0]),
         }
     }
 
@@ -152,6 +177,11 @@ impl<R: Real, const N: usize, const S: usize> Throughputs<R, N, S> {
                 scaled_vector(columns[w], row[0] * a + row[1] * b1 + row[2] * b2)
             }
             Self::Column { columns } => scaled_vector(columns[w], a),
+            Self::Row { rows, .. } => {
+                let (row, b1, b2) = (rows[w], c * b, s * b);
+                unpolarized(row[0] * a + row[1] * b1 + row[2] * b2)
+            }
+            Self::Scalar { factors } => unpolarized(factors[w] * a),
         }
     }
 
@@ -194,6 +224,19 @@ impl<R: Real, const N: usize, const S: usize> Throughputs<R, N, S> {
                     matrix[0] = *column;
                 }
             }
+            Self::Row { axis: own, rows } => {
+                axis = *own;
+                for (matrix, row) in all.iter_mut().zip(rows) {
+                    for (to, factor) in matrix.iter_mut().zip(row) {
+                        to[0] = *factor;
+                    }
+                }
+            }
+            Self::Scalar { factors } => {
+                for (matrix, factor) in all.iter_mut().zip(factors) {
+                    matrix[0][0] = *factor;
+                }
+            }
         }
         (axis, all)
     }
@@ -203,12 +246,24 @@ impl<R: Real, const N: usize, const S: usize> Throughputs<R, N, S> {
     pub(super) fn extended(&self, answer: &Answers<R, N, S>, weight: R, k_out: V3<R>) -> Self {
         let (no_matrix, no_vector) = ([[R::zero(); S]; S], [R::zero(); S]);
         match answer {
-            Answers::Depolarizing(m00) => Throughputs::Column {
-                columns: each_wavelength!(
-                    w,
-                    no_vector,
-                    scaled_vector(self.first_column(w), m00[w] * weight)
-                ),
+            Answers::Depolarizing(m00) => match self {
+                Throughputs::Unit { .. } => Throughputs::Scalar {
+                    factors: each_wavelength!(w, R::zero(), m00[w] * weight),
+                },
+                Throughputs::Row { .. } | Throughputs::Scalar { .. } => Throughputs::Scalar {
+                    factors: each_wavelength!(
+                        w,
+                        R::zero(),
+                        self.first_column(w)[0] * (m00[w] * weight)
+                    ),
+                },
+                _ => Throughputs::Column {
+                    columns: each_wavelength!(
+                        w,
+                        no_vector,
+                        scaled_vector(self.first_column(w), m00[w] * weight)
+                    ),
+                },
             },
             Answers::Diagonal(axis, elements) => {
                 let (axis, turn) = (*axis, self.turn_to(*axis, k_out));
@@ -249,6 +304,27 @@ impl<R: Real, const N: usize, const S: usize> Throughputs<R, N, S> {
                         columns: *columns,
                         rows: each_wavelength!(w, no_vector, {
                             let e = elements[w].scaled(weight);
+                            let mut row = no_vector;
+                            row[0] = e.mean;
+                            row[1] = e.difference;
+                            row
+                        }),
+                    },
+                    Throughputs::Row { rows, .. } => Throughputs::Row {
+                        axis,
+                        rows: each_wavelength!(
+                            w,
+                            no_vector,
+                            row_times_element(
+                                turned_row(rows[w], turn),
+                                &elements[w].scaled(weight)
+                            )
+                        ),
+                    },
+                    Throughputs::Scalar { factors } => Throughputs::Row {
+                        axis,
+                        rows: each_wavelength!(w, no_vector, {
+                            let e = elements[w].scaled(factors[w] * weight);
                             let mut row = no_vector;
                             row[0] = e.mean;
                             row[1] = e.difference;
@@ -304,6 +380,28 @@ impl<R: Real, const N: usize, const S: usize> Throughputs<R, N, S> {
                             row
                         }),
                     },
+                    Throughputs::Row { rows, .. } => Throughputs::Row {
+                        axis,
+                        rows: each_wavelength!(w, no_vector, {
+                            let turned = scaled_vector(turned_row(rows[w], turn), weight);
+                            let mut product = no_vector;
+                            for (to, column) in product.iter_mut().zip(answers[w]) {
+                                *to = dot(turned, column);
+                            }
+                            product
+                        }),
+                    },
+                    Throughputs::Scalar { factors } => Throughputs::Row {
+                        axis,
+                        rows: each_wavelength!(w, no_vector, {
+                            let factor = factors[w] * weight;
+                            let mut row = no_vector;
+                            for (to, column) in row.iter_mut().zip(answers[w]) {
+                                *to = column[0] * factor;
+                            }
+                            row
+                        }),
+                    },
                 }
             }
         }
@@ -340,6 +438,23 @@ impl<R: Real, const N: usize, const S: usize> Throughputs<R, N, S> {
                 ),
             };
         }
+        if let (
+            Throughputs::Row { axis, rows },
+            Throughputs::Row {
+                axis: other_axis,
+                rows: other_rows,
+            },
+        ) = (a, b)
+        {
+            return Throughputs::Row {
+                axis: V3::select(mask, *axis, *other_axis),
+                rows: each_wavelength!(
+                    w,
+                    no_vector,
+                    select_vectors(mask, &rows[w], &other_rows[w])
+                ),
+            };
+        }
         let ((axis, a), (other_axis, b)) = (a.whole(), b.whole());
         Throughputs::Whole {
             axis: V3::select(mask, axis, other_axis),
@@ -361,6 +476,8 @@ impl<R: Real, const N: usize, const S: usize> Throughputs<R, N, S> {
             Throughputs::Whole { .. } => WHOLE,
             Throughputs::Product { .. } => PRODUCT,
             Throughputs::Column { .. } => COLUMN,
+            Throughputs::Row { .. } => ROW,
+            Throughputs::Scalar { .. } => SCALAR,
         }
     }
 
@@ -373,14 +490,26 @@ impl<R: Real, const N: usize, const S: usize> Throughputs<R, N, S> {
         kind: usize,
     ) -> Self {
         let none = [R::zero(); S];
-        if kind == COLUMN {
-            return Throughputs::Column {
-                columns: each_wavelength!(w, none, vectors(rows, row + S * w, columns)),
-            };
+        match kind {
+            COLUMN => {
+                return Throughputs::Column {
+                    columns: each_wavelength!(w, none, vectors(rows, row + S * w, columns)),
+                };
+            }
+            SCALAR => {
+                return Throughputs::Scalar {
+                    factors: each_wavelength!(w, R::zero(), rows.get(row + w, columns)),
+                };
+            }
+            _ => {}
         }
         let (axis, row) = (rows.vector(row, columns), row + 3);
         match kind {
             UNIT => Throughputs::Unit { axis },
+            ROW => Throughputs::Row {
+                axis,
+                rows: each_wavelength!(w, none, vectors(rows, row + S * w, columns)),
+            },
             PRODUCT => Throughputs::Product {
                 axis,
                 columns: each_wavelength!(w, none, vectors(rows, row + 2 * S * w, columns)),
@@ -407,19 +536,33 @@ impl<R: Real, const N: usize, const S: usize> Throughputs<R, N, S> {
         columns: Columns<R>,
         kind: usize,
     ) -> Self {
-        let none = [R::zero(); S];
-        Throughputs::Column {
-            columns: each_wavelength!(w, none, {
-                match kind {
-                    UNIT => first(),
-                    COLUMN => vectors(rows, row + S * w, columns),
-                    PRODUCT => scaled_vector(
+        let (zero, none) = (R::zero(), [R::zero(); S]);
+        match kind {
+            UNIT => Throughputs::Scalar {
+                factors: [R::one(); N],
+            },
+            SCALAR => Throughputs::Scalar {
+                factors: each_wavelength!(w, zero, rows.get(row + w, columns)),
+            },
+            ROW => Throughputs::Scalar {
+                factors: each_wavelength!(w, zero, rows.get(row + 3 + S * w, columns)),
+            },
+            COLUMN => Throughputs::Column {
+                columns: each_wavelength!(w, none, vectors(rows, row + S * w, columns)),
+            },
+            PRODUCT => Throughputs::Column {
+                columns: each_wavelength!(
+                    w,
+                    none,
+                    scaled_vector(
                         vectors(rows, row + 3 + 2 * S * w, columns),
                         rows.get(row + 3 + 2 * S * w + S, columns),
-                    ),
-                    _ => vectors(rows, row + 3 + S * S * w, columns),
-                }
-            }),
+                    )
+                ),
+            },
+            _ => Throughputs::Column {
+                columns: each_wavelength!(w, none, vectors(rows, row + 3 + S * S * w, columns)),
+            },
         }
     }
 
@@ -455,6 +598,17 @@ impl<R: Real, const N: usize, const S: usize> Throughputs<R, N, S> {
                     put_vectors(rows, row + S * w, columns, column);
                 }
             }
+            Throughputs::Row { axis, rows: own } => {
+                rows.put_vector(row, columns, *axis);
+                for (w, factor) in own.iter().enumerate() {
+                    put_vectors(rows, row + 3 + S * w, columns, factor);
+                }
+            }
+            Throughputs::Scalar { factors } => {
+                for (w, factor) in factors.iter().enumerate() {
+                    rows.put(row + w, columns, *factor);
+                }
+            }
         }
     }
 
@@ -465,7 +619,9 @@ impl<R: Real, const N: usize, const S: usize> Throughputs<R, N, S> {
         let own = match self {
             Throughputs::Unit { axis } => return Sights::blind(*axis),
             // any axis will do
-            Throughputs::Column { .. } => return Sights::blind(V3::splat(Vec3A::X)),
+            Throughputs::Column { .. } | Throughputs::Scalar { .. } => {
+                return Sights::blind(V3::splat(Vec3A::X));
+            }
             Throughputs::Whole { axis, matrices } => {
                 for m in matrices {
                     for (sum, column) in sums.iter_mut().zip(m) {
@@ -482,6 +638,14 @@ impl<R: Real, const N: usize, const S: usize> Throughputs<R, N, S> {
                 for (column, row) in columns.iter().zip(rows) {
                     for (sum, factor) in sums.iter_mut().zip(row) {
                         *sum = *sum + column[0] * *factor;
+                    }
+                }
+                *axis
+            }
+            Throughputs::Row { axis, rows } => {
+                for row in rows {
+                    for (sum, factor) in sums.iter_mut().zip(row) {
+                        *sum = *sum + *factor;
                     }
                 }
                 *axis
@@ -519,6 +683,13 @@ impl<R: Real, const N: usize, const S: usize> Throughputs<R, N, S> {
                 axis: *axis,
                 columns: *columns,
                 rows: each_wavelength!(w, none, scaled_vector(rows[w], weight)),
+            },
+            Throughputs::Row { axis, rows } => Throughputs::Row {
+                axis: *axis,
+                rows: each_wavelength!(w, none, scaled_vector(rows[w], weight)),
+            },
+            Throughputs::Scalar { factors } => Throughputs::Scalar {
+                factors: each_wavelength!(w, R::zero(), factors[w] * weight),
             },
             Throughputs::Unit { .. } | Throughputs::Whole { .. } => {
                 let (axis, mut matrices) = self.whole();
