@@ -157,8 +157,10 @@ pub(crate) fn white_weights() -> &'static [[f64; 3]] {
 /// ```
 #[must_use]
 pub fn sample_wavelength(u: f32) -> (f32, f32) {
-    let bend = |nm: f64| (SAMPLING_RATE * (nm - SAMPLING_CENTRE)).tanh();
-    let (low, high) = (bend(FIRST_NM), bend(LAST_NM));
+    static ENDS: LazyLock<[f64; 2]> = LazyLock::new(|| {
+        [FIRST_NM, LAST_NM].map(|nm| (SAMPLING_RATE * (nm - SAMPLING_CENTRE)).tanh())
+    });
+    let [low, high] = *ENDS;
     let t = low + f64::from(u) * (high - low);
     let wavelength = SAMPLING_CENTRE + t.atanh() / SAMPLING_RATE;
     let density = SAMPLING_RATE * (1.0 - t * t) / (high - low);

@@ -66,9 +66,7 @@ impl<const N: usize> Abreast for Intensity<N> {
         each_wavelength!(w, R::zero(), R::from_fn(|lane| all[w][lane]))
     }
     #[inline(always)]
-    fn to_world<R: Real>(answer: &[R; N], _: &Axes<R>) -> [R; N] {
-        *answer
-    }
+    fn to_world<R: Real>(_: &mut [R; N], _: &Axes<R>) {}
     #[inline(always)]
     fn beginning<R: Real>(_: V3<R>) -> [R; N] {
         [R::one(); N]

@@ -177,8 +177,8 @@ pub trait Abreast: Copy + std::fmt::Debug + Send + Sync + 'static {
         i: &[Vec3A; MOST],
         f: impl FnMut(usize) -> Self::Response,
     ) -> Self::Answers<R>;
-    /// With its axes in the world.
-    fn to_world<R: Real>(answer: &Self::Answers<R>, axes: &Axes<R>) -> Self::Answers<R>;
+    /// Turns its axes, which are local, into the world.
+    fn to_world<R: Real>(answer: &mut Self::Answers<R>, axes: &Axes<R>);
     /// The empty path in the frame of `axis`.
     fn beginning<R: Real>(axis: V3<R>) -> Self::Throughputs<R>;
     /// Longer by a vertex, weighted; `k_out` is the direction of light that leaves it.

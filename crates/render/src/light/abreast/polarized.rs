@@ -140,12 +140,13 @@ impl<const N: usize, const S: usize> Abreast for Stokes<N, S> {
         Answers::General(V3::from_lanes(&axes[0]), V3::from_lanes(&axes[1]), all)
     }
     #[inline(always)]
-    fn to_world<R: Real>(answer: &Answers<R, N, S>, axes: &Axes<R>) -> Answers<R, N, S> {
+    fn to_world<R: Real>(answer: &mut Answers<R, N, S>, axes: &Axes<R>) {
         match answer {
-            Answers::Depolarizing(_) => *answer,
-            Answers::Diagonal(axis, elements) => Answers::Diagonal(axes.to_world(*axis), *elements),
-            Answers::General(out, inward, m) => {
-                Answers::General(axes.to_world(*out), axes.to_world(*inward), *m)
+            Answers::Depolarizing(_) => {}
+            Answers::Diagonal(axis, _) => *axis = axes.to_world(*axis),
+            Answers::General(out, inward, _) => {
+                *out = axes.to_world(*out);
+                *inward = axes.to_world(*inward);
             }
         }
     }

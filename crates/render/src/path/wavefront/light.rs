@@ -80,7 +80,8 @@ impl<S> Link<'_, S> {
     #[inline(always)]
     pub(super) fn connect<R: Real, L: Abreast<Stokes = S>>(
         &mut self,
-        (paths, material, at, wavelengths): (&Paths<R, L>, &Material, &Vertices<R>, &L::Values<R>),
+        (paths, material, at, wavelengths): (&Paths<R>, &Material, &Vertices<R>, &L::Values<R>),
+        throughput: &L::Throughputs<R>,
         surfaces: &Surfaces<R>,
         looked: &Looked<R, L::Values<R>>,
         lanes: R::M,
@@ -92,18 +93,18 @@ impl<S> Link<'_, S> {
             return;
         }
         let i = at.axes.to_local(found.direction);
-        let (answers, own) = material.answer::<R, L>(at, i, wavelengths, ask);
+        let (mut answers, own) = material.answer::<R, L>(at, i, wavelengths, ask);
         let lit = ask & own.gt(R::zero());
         if !lit.any() {
             return;
         }
-        let answers = L::to_world(&answers, &at.axes);
+        L::to_world(&mut answers, &at.axes);
         let share = power_heuristic(looked.density, own);
         let share = R::select(found.discrete, R::one(), share);
         let weight = share * found.weight / looked.density;
         let (o, k) = (-paths.rays.direction, -found.direction);
         if scene.traits().straight {
-            let mut through = L::extended(&paths.throughput, &answers, weight, o);
+            let mut through = L::extended(throughput, &answers, weight, o);
             let room = self.options.max_depth - self.depth - 1;
             let free = R::apart(PassOn::<R, L> {
                 link: &mut *self,
@@ -121,8 +122,7 @@ impl<S> Link<'_, S> {
             let rays = shadow_rays(surfaces, found);
             let free = scene.free(&rays, lit, self.stack) & lit;
             if free.any() {
-                let more =
-                    L::seen_through(&paths.throughput, &answers, o, &looked.shine, k, weight);
+                let more = L::seen_through(throughput, &answers, o, &looked.shine, k, weight);
                 L::add_to(self.sums, paths.sample, &more, free);
             }
         }
@@ -253,8 +253,8 @@ impl<S> Link<'_, S> {
                     }
                     let turned = back && matches!(material, Material::TwoSided(_));
                     let at = if turned { front.turned() } else { front };
-                    let answers = side(material, back).pass::<R, L>(&at, wavelengths, lanes);
-                    let answers = L::to_world(&answers, &at.axes);
+                    let mut answers = side(material, back).pass::<R, L>(&at, wavelengths, lanes);
+                    L::to_world(&mut answers, &at.axes);
                     let longer = L::extended(through, &answers, R::one(), -direction);
                     *through = L::select(lanes, &longer, through);
                 }

@@ -185,7 +185,7 @@ impl Wavefront {
         let unknown = V3::splat(Vec3A::Z);
         let throughput = L::beginning(start.axis);
         let bank = &mut self.banks[L::kind(&throughput)];
-        Paths::<R, L> {
+        Paths {
             sample,
             rays: Rays {
                 origin: start.origin,
@@ -198,9 +198,8 @@ impl Wavefront {
             lit: unknown,
             density: R::one(),
             departure: unknown,
-            throughput,
         }
-        .put(&mut bank.paths, columns, self.weighs);
+        .put::<L>(&throughput, &mut bank.paths, columns, self.weighs);
         self.begun += count;
         bank.count = self.begun;
     }
@@ -386,12 +385,12 @@ impl<S> Link<'_, S> {
         let material = side(&scene.materials[number], back);
         let bank = &self.front.banks[list.kind];
         let rows = &bank.paths;
-        let throughput = if material.forgets_polarization() {
+        let mut throughput = if material.forgets_polarization() {
             L::taken_for_unpolarized(rows, THROUGHPUT, columns, list.kind)
         } else {
             L::taken(rows, THROUGHPUT, columns, list.kind)
         };
-        let mut paths = Paths::<R, L>::taken(rows, columns, throughput, weighs);
+        let paths = Paths::taken(rows, columns, weighs);
         let surfaces = Surfaces::taken(&bank.met, columns);
         let of_samples = Columns::named(paths.sample);
         let stratified = self.front.stratified;
@@ -408,10 +407,10 @@ impl<S> Link<'_, S> {
         // end weak paths: those that no light can make strong at the sensor
         if long {
             let [roulette, _] = stream.pairs(R::B::splat(dimension + ROULETTE));
-            let reach = L::reaches(&paths.throughput);
+            let reach = L::reaches(&throughput);
             let survival = (reach * paths.eta * paths.eta).min(R::splat(0.95));
             alive = alive & roulette.lt(survival);
-            paths.throughput = L::scaled_lanes(&paths.throughput, survival.recip());
+            throughput = L::scaled_lanes(&throughput, survival.recip());
             if !alive.any() {
                 return;
             }
@@ -428,7 +427,7 @@ impl<S> Link<'_, S> {
             sights: Sights::blind(axes.s),
         };
         if traits.chooses {
-            at.sights = L::sights(&paths.throughput);
+            at.sights = L::sights(&throughput);
             at.sights.axis = axes.to_local(at.sights.axis);
         }
         if back && matches!(scene.materials[number], Material::TwoSided(_)) {
@@ -452,7 +451,7 @@ impl<S> Link<'_, S> {
             };
             if let Some(looked) = R::apart(looking) {
                 let ways = (&paths, material, &at, &wavelengths);
-                self.connect(ways, &surfaces, &looked, alive);
+                self.connect::<R, L>(ways, &throughput, &surfaces, &looked, alive);
             }
         }
         // a longer path would meet nothing that shines
@@ -465,18 +464,18 @@ impl<S> Link<'_, S> {
             let [u, v] = stream.pairs(R::B::splat(dimension + DIRECTION));
             numbers = [drawn, u, v];
         }
-        let way = material.depart::<R, L>(&at, &wavelengths, numbers, alive);
-        let answers = L::to_world(&way.answers, &at.axes);
+        let mut way = material.depart::<R, L>(&at, &wavelengths, numbers, alive);
+        L::to_world(&mut way.answers, &at.axes);
         let direction = at.axes.to_world(way.direction);
         let weight = way.density.recip();
-        let throughput = L::extended(&paths.throughput, &answers, weight, o_world);
+        let throughput = L::extended(&throughput, &way.answers, weight, o_world);
         let on = alive & way.exist & L::strengths(&throughput).gt(R::zero());
         let kept = on.bits();
         if kept == 0 {
             return;
         }
         let bank = &mut self.front.banks[L::kind(&throughput)];
-        Paths::<R, L> {
+        Paths {
             sample: paths.sample,
             rays: Rays {
                 origin: offset_origins(
@@ -494,9 +493,13 @@ impl<S> Link<'_, S> {
             lit: V3::select(way.continuous, lit.n, paths.lit),
             density: R::select(way.continuous, way.density, paths.density),
             departure: V3::select(way.continuous, direction, paths.departure),
-            throughput,
         }
-        .put(&mut bank.longer, Packed::new(bank.sent, on), weighs);
+        .put::<L>(
+            &throughput,
+            &mut bank.longer,
+            Packed::new(bank.sent, on),
+            weighs,
+        );
         bank.sent += kept.count_ones() as usize;
     }
 

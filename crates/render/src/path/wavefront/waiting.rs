@@ -38,7 +38,7 @@ pub(super) const AXES: usize = NORMAL + 3;
 pub(super) const SURFACE_ROWS: usize = AXES + 9;
 
 /// Paths side by side.
-pub(super) struct Paths<R: Real, L: Abreast> {
+pub(super) struct Paths<R: Real> {
     pub(super) sample: R::B,
     pub(super) rays: Rays<R>,
     pub(super) eta: R,
@@ -48,13 +48,18 @@ pub(super) struct Paths<R: Real, L: Abreast> {
     pub(super) lit: V3<R>,
     pub(super) density: R,
     pub(super) departure: V3<R>,
-    pub(super) throughput: L::Throughputs<R>,
 }
 
-impl<R: Real, L: Abreast> Paths<R, L> {
-    /// Lets them wait; what weighs light that is met only if there is any.
+impl<R: Real> Paths<R> {
+    /// Lets them wait, with their throughputs; what weighs light that is met only if there is any.
     #[inline(always)]
-    pub(super) fn put(&self, rows: &mut Rows<PATH_ROWS>, columns: Packed<R>, weighs: bool) {
+    pub(super) fn put<L: Abreast>(
+        &self,
+        throughput: &L::Throughputs<R>,
+        rows: &mut Rows<PATH_ROWS>,
+        columns: Packed<R>,
+        weighs: bool,
+    ) {
         rows.put(SAMPLE, columns, R::of_bits(self.sample));
         rows.put_vector(ORIGIN, columns, self.rays.origin);
         rows.put_vector(HEADING, columns, self.rays.direction);
@@ -66,17 +71,12 @@ impl<R: Real, L: Abreast> Paths<R, L> {
             rows.put(DENSITY, columns, self.density);
             rows.put_vector(DEPARTURE, columns, self.departure);
         }
-        L::put(rows, THROUGHPUT, columns, &self.throughput);
+        L::put(rows, THROUGHPUT, columns, throughput);
     }
 
-    /// Takes them up, with a throughput that was taken before.
+    /// Takes them up, but for their throughputs: those are large, and are best made where they stay.
     #[inline(always)]
-    pub(super) fn taken(
-        rows: &Rows<PATH_ROWS>,
-        columns: Columns<R>,
-        throughput: L::Throughputs<R>,
-        weighs: bool,
-    ) -> Self {
+    pub(super) fn taken(rows: &Rows<PATH_ROWS>, columns: Columns<R>, weighs: bool) -> Self {
         let unknown = V3::splat(Vec3A::Z);
         let mut paths = Self {
             sample: rows.get(SAMPLE, columns).bits(),
@@ -87,7 +87,6 @@ impl<R: Real, L: Abreast> Paths<R, L> {
             lit: unknown,
             density: R::one(),
             departure: unknown,
-            throughput,
         };
         if weighs {
             paths.weighed = rows.get(WEIGHED, columns).gt(R::zero());
