@@ -185,12 +185,25 @@ mod tests {
                 (albedo - 1.0).abs() < 5.0 * error + 3e-3,
                 "{theta}: {albedo} ± {error}"
             );
-            let grey = plastic(
-                "<float name='diffuse_reflectance' value='0.5'/><boolean name='nonlinear' value='true'/>",
-            );
-            let (shifted, _) = mean_over_draws(&grey, o, 40_000, |_, _| 1.0);
-            assert!(shifted.x_axis.x < 0.5 * sum.x_axis.x + 0.5);
         }
+    }
+
+    #[test]
+    fn light_between_base_and_surface_darkens_grey_plastic() {
+        // the base alone, without the mirror: ρ/(1 − ρF) where it is ρ/(1 − F) for ρ = 1 between
+        let base = |nonlinear: bool| {
+            let grey = plastic(&format!(
+                "<float name='diffuse_reflectance' value='0.5'/><boolean name='nonlinear' value='{nonlinear}'/>"
+            ));
+            let (o, i) = (toward(20.0, 0.0), toward(65.0, 130.0));
+            f64::from(respond(&grey, o, i, Part::Continuous).0.x_axis.x)
+        };
+        let inner = exact_diffuse_reflectance(1.5f64.recip());
+        let expected = (1.0 - inner) / (1.0 - 0.5 * inner);
+        let found = base(true) / base(false);
+        // 0.5 % of the fit
+        assert!((found - expected).abs() < 4e-3, "{found} {expected}");
+        assert!(expected < 0.6);
     }
 
     #[test]
