@@ -427,7 +427,7 @@ fn tell(output: &Path, rendering: &Rendering, elapsed: Duration) {
     if rendering.rejected > 0 {
         eprintln!(
             "warning: {} of {} samples were not finite and count as black; a radiance or a size beyond single precision?",
-            rendering.rejected, rendering.counters.paths
+            rendering.rejected, rendering.samples
         );
     }
 }

@@ -63,7 +63,8 @@ impl Default for PathOptions {
 /// What tracing has cost.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Counters {
-    /// Camera samples.
+    /// Paths from the camera: one for each group of wavelengths of a sample that goes together, and as many again where
+    /// coherence is followed.
     pub paths: u64,
     /// Closest-hit and shadow rays.
     pub rays: u64,
