@@ -123,7 +123,7 @@ pub fn run(args: &Args) -> Outcome {
         .num_threads(threads)
         .build()
         .map_err(|e| Failure::Work(format!("{threads} threads cannot be started: {e}")))?;
-    let (job, notices) = load(args)?;
+    let (job, notices) = pool.install(|| load(args))?;
     if args.explain {
         for decision in job.plan.decisions() {
             eprintln!("{:<8} {decision}", decision.verdict());
