@@ -123,6 +123,19 @@ impl Matter for TwoSided {
         front.or(back)
     }
 
+    fn left_out(&self) -> Option<String> {
+        let [front, back] = self.sides().map(Matter::left_out);
+        match (front, back) {
+            (Some(front), Some(back)) if front == back => Some(front),
+            (None, None) => None,
+            (front, back) => {
+                let named = |side, what: Option<String>| what.map(|what| format!("{side}: {what}"));
+                let both = [named("front", front), named("back", back)];
+                Some(both.into_iter().flatten().collect::<Vec<_>>().join("; "))
+            }
+        }
+    }
+
     fn check_wavelengths(&self, range: [f64; 2]) -> Result<(), SceneError> {
         let [front, back] = self.sides();
         front.check_wavelengths(range)?;
@@ -134,5 +147,33 @@ impl Matter for TwoSided {
             .into_iter()
             .flat_map(|side| side.doubts(range))
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::material::Matter;
+    use crate::material::testing::material_of;
+
+    #[test]
+    fn what_either_side_leaves_out_is_said() {
+        const ROUGH: &str = "<bsdf type='roughsurface'><string name='material' value='Al'/>\
+            <string name='height' value='1um'/><string name='length' value='10um'/></bsdf>";
+        const PLAIN: &str = "<bsdf type='diffuse'/>";
+        let left_out = |sides: String| {
+            let matter = material_of(&format!("<bsdf type='twosided'>{sides}</bsdf>")).unwrap();
+            matter.left_out()
+        };
+        let alone = material_of(ROUGH).unwrap().left_out().unwrap();
+        assert_eq!(left_out(ROUGH.to_owned()), Some(alone.clone()));
+        assert_eq!(
+            left_out(format!("{ROUGH}{PLAIN}")),
+            Some(format!("front: {alone}"))
+        );
+        assert_eq!(
+            left_out(format!("{PLAIN}{ROUGH}")),
+            Some(format!("back: {alone}"))
+        );
+        assert_eq!(left_out(PLAIN.to_owned()), None);
     }
 }
