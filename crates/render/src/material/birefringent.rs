@@ -289,10 +289,6 @@ impl Matter for Birefringent {
         (response, 0.0)
     }
 
-    fn is_discrete(&self) -> bool {
-        true
-    }
-
     fn bend(&self, at: &Vertex, part: Part, _: &[f32]) -> Option<Vec3A> {
         Some(match part {
             Part::Discrete(_) => mirror(at.o, Vec3A::Z),
@@ -312,6 +308,7 @@ impl Matter for Birefringent {
 
     fn traits(&self) -> Traits {
         Traits {
+            discrete: true,
             straight: true,
             ..Traits::default()
         }

@@ -86,12 +86,9 @@ impl Matter for Circular {
         )
     }
 
-    fn is_discrete(&self) -> bool {
-        true
-    }
-
     fn traits(&self) -> Traits {
         Traits {
+            discrete: true,
             straight: true,
             ..Traits::default()
         }

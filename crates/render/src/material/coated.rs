@@ -237,10 +237,6 @@ impl Matter for RoughlyCoated {
         (L::sum(surface, base, o, -i), joint_density(p, of_facets, i))
     }
 
-    fn is_discrete(&self) -> bool {
-        false
-    }
-
     fn is_grey(&self, range: [f64; 2]) -> bool {
         self.coat.is_grey(range)
     }

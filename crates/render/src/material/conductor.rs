@@ -16,7 +16,7 @@
 use glam::Vec3A;
 use mueller16::ConductorInterface;
 
-use super::{Departure, Effect, Matter, Part, Vertex, axis_s, mirror, unknown_name};
+use super::{Departure, Effect, Matter, Part, Traits, Vertex, axis_s, mirror, unknown_name};
 use crate::coherence::Coherence;
 use crate::ior;
 use crate::light::{Element, Light};
@@ -140,16 +140,19 @@ impl Matter for Conductor {
         (response, 0.0)
     }
 
-    fn is_discrete(&self) -> bool {
-        true
-    }
-
     fn bend(&self, at: &Vertex, _: Part, _: &[f32]) -> Option<Vec3A> {
         (at.o.z > 0.0).then(|| mirror(at.o, Vec3A::Z))
     }
 
     fn is_grey(&self, range: [f64; 2]) -> bool {
         self.metal.is_grey(range)
+    }
+
+    fn traits(&self) -> Traits {
+        Traits {
+            discrete: true,
+            ..Traits::default()
+        }
     }
 
     fn effect(&self) -> Effect {

@@ -95,10 +95,6 @@ impl Matter for Detector {
         (L::general(Vec3A::X, axis, |_| matrix), density)
     }
 
-    fn is_discrete(&self) -> bool {
-        false
-    }
-
     fn effect(&self) -> Effect {
         Effect::default()
     }

@@ -173,10 +173,6 @@ impl Matter for Dielectric {
         (response, 0.0)
     }
 
-    fn is_discrete(&self) -> bool {
-        true
-    }
-
     fn bend(&self, at: &Vertex, part: Part, _: &[f32]) -> Option<Vec3A> {
         match part {
             Part::Discrete(0) => Some(mirror(at.o, Vec3A::Z)),
@@ -186,6 +182,7 @@ impl Matter for Dielectric {
 
     fn traits(&self) -> Traits {
         Traits {
+            discrete: true,
             chooses: true,
             ..Traits::default()
         }

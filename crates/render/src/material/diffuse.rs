@@ -96,10 +96,6 @@ impl Matter for Diffuse {
         )
     }
 
-    fn is_discrete(&self) -> bool {
-        false
-    }
-
     fn traits(&self) -> Traits {
         Traits {
             black: self.reflectance == Spectrum::constant(0.0),

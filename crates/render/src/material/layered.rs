@@ -317,10 +317,6 @@ impl Matter for Layered {
         (response, 0.0)
     }
 
-    fn is_discrete(&self) -> bool {
-        true
-    }
-
     fn bend(&self, at: &Vertex, part: Part, wavelengths: &[f32]) -> Option<Vec3A> {
         match part {
             Part::Discrete(0) => Some(mirror(at.o, Vec3A::Z)),
@@ -338,6 +334,7 @@ impl Matter for Layered {
 
     fn traits(&self) -> Traits {
         Traits {
+            discrete: true,
             straight: matches!(self.substrate, Substrate::Free),
             disperses: matches!(&self.substrate, Substrate::Clear(index) if !index.is_constant()),
             ..Traits::default()

@@ -101,10 +101,6 @@ impl Matter for Lobe {
         )
     }
 
-    fn is_discrete(&self) -> bool {
-        false
-    }
-
     fn effect(&self) -> Effect {
         Effect::default()
     }

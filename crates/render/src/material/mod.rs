@@ -120,7 +120,7 @@ impl Departure {
 /// What transport has to know of matter before it meets it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traits {
-    /// All its directions are discrete: see [`Matter::is_discrete`]; noted by [`Material`] itself.
+    /// All its directions are discrete: emitters cannot be connected to.
     pub discrete: bool,
     /// Some light goes straight through: [`Part::Straight`].
     pub straight: bool,
@@ -135,10 +135,10 @@ pub struct Traits {
 }
 
 impl Traits {
-    /// Whatever either does; black if both are.
+    /// Whatever either does; discrete, or black, if both are.
     pub fn or(self, other: Self) -> Self {
         Self {
-            discrete: self.discrete || other.discrete,
+            discrete: self.discrete && other.discrete,
             straight: self.straight || other.straight,
             coherent: self.coherent || other.coherent,
             disperses: self.disperses || other.disperses,
@@ -277,9 +277,6 @@ pub trait Matter {
         coherence: &Coherence,
     ) -> (L::Response, f32);
 
-    /// Whether all directions are discrete: emitters cannot be connected to.
-    fn is_discrete(&self) -> bool;
-
     /// What it can do to polarization.
     fn effect(&self) -> Effect;
 
@@ -341,7 +338,21 @@ impl Material {
             Self::RoughSurface(surface) => !surface.is_metal(),
             Self::Mueller(element) => !element.is_mirror(),
             Self::Grating(grating) => grating.is_two_sided(),
-            _ => true,
+            Self::Dielectric(_)
+            | Self::Polarizer(_)
+            | Self::Retarder(_)
+            | Self::Circular(_)
+            | Self::Null(_)
+            | Self::Birefringent(_)
+            | Self::Rotator(_)
+            | Self::RoughDielectric(_)
+            | Self::ThinDielectric(_)
+            | Self::Scatterer16(_)
+            | Self::Slits(_)
+            | Self::TwoSided(_)
+            | Self::Detector(_) => true,
+            #[cfg(test)]
+            Self::Lobe(_) => false,
         }
     }
 }
@@ -364,11 +375,6 @@ impl Matter for Material {
         ask!(self, m => m.respond::<L>(at, i, part, wavelengths, coherence))
     }
 
-    #[inline]
-    fn is_discrete(&self) -> bool {
-        ask!(self, m => m.is_discrete())
-    }
-
     fn effect(&self) -> Effect {
         ask!(self, m => m.effect())
     }
@@ -383,10 +389,7 @@ impl Matter for Material {
     }
 
     fn traits(&self) -> Traits {
-        Traits {
-            discrete: self.is_discrete(),
-            ..ask!(self, m => m.traits())
-        }
+        ask!(self, m => m.traits())
     }
 
     fn is_grey(&self, range: [f64; 2]) -> bool {

@@ -45,12 +45,9 @@ impl Matter for Null {
         )
     }
 
-    fn is_discrete(&self) -> bool {
-        true
-    }
-
     fn traits(&self) -> Traits {
         Traits {
+            discrete: true,
             straight: true,
             ..Traits::default()
         }

@@ -111,10 +111,6 @@ impl Matter for Plastic {
         )
     }
 
-    fn is_discrete(&self) -> bool {
-        false
-    }
-
     fn bend(&self, at: &Vertex, part: Part, _: &[f32]) -> Option<Vec3A> {
         matches!(part, Part::Discrete(_)).then(|| mirror(at.o, Vec3A::Z))
     }

@@ -123,12 +123,9 @@ impl Matter for Polarizer {
         )
     }
 
-    fn is_discrete(&self) -> bool {
-        true
-    }
-
     fn traits(&self) -> Traits {
         Traits {
+            discrete: true,
             straight: true,
             ..Traits::default()
         }

@@ -89,12 +89,9 @@ impl Matter for Retarder {
         (response, 0.0)
     }
 
-    fn is_discrete(&self) -> bool {
-        true
-    }
-
     fn traits(&self) -> Traits {
         Traits {
+            discrete: true,
             straight: true,
             ..Traits::default()
         }

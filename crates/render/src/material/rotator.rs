@@ -113,12 +113,9 @@ impl Matter for Rotator {
         (response, 0.0)
     }
 
-    fn is_discrete(&self) -> bool {
-        true
-    }
-
     fn traits(&self) -> Traits {
         Traits {
+            discrete: true,
             straight: true,
             ..Traits::default()
         }

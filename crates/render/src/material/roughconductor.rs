@@ -95,10 +95,6 @@ impl Matter for RoughConductor {
         (response, density)
     }
 
-    fn is_discrete(&self) -> bool {
-        false
-    }
-
     fn is_grey(&self, range: [f64; 2]) -> bool {
         self.metal.is_grey(range)
     }

@@ -236,10 +236,6 @@ impl Matter for RoughDielectric {
         (response, density)
     }
 
-    fn is_discrete(&self) -> bool {
-        false
-    }
-
     fn is_grey(&self, range: [f64; 2]) -> bool {
         self.reflectance.is_constant_over(range) && self.transmittance.is_constant_over(range)
     }

@@ -170,10 +170,6 @@ impl Matter for ThinDielectric {
         (response, 0.0)
     }
 
-    fn is_discrete(&self) -> bool {
-        true
-    }
-
     fn bend(&self, at: &Vertex, part: Part, _: &[f32]) -> Option<Vec3A> {
         Some(match part {
             Part::Straight => -at.o,
@@ -183,6 +179,7 @@ impl Matter for ThinDielectric {
 
     fn traits(&self) -> Traits {
         Traits {
+            discrete: true,
             straight: true,
             chooses: true,
             ..Traits::default()

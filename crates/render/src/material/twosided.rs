@@ -94,10 +94,6 @@ impl Matter for TwoSided {
         (L::map_axes(response, turned), density)
     }
 
-    fn is_discrete(&self) -> bool {
-        self.front.is_discrete() && self.back.is_discrete()
-    }
-
     fn is_grey(&self, range: [f64; 2]) -> bool {
         self.sides().into_iter().all(|side| side.is_grey(range))
     }

@@ -104,7 +104,9 @@ impl Scene {
         self.traits = self
             .used_materials()
             .into_iter()
-            .fold(Traits::default(), |all, one| all.or(self.traits_of(one)));
+            .map(|material| self.traits_of(material))
+            .reduce(Traits::or)
+            .unwrap_or_default();
         self.few = triangles == 0 && self.shapes.len() <= super::abreast::FEW;
         self.boxes = super::abreast::boxes(&self.shapes);
         self.unmet = !self.emitters.iter().any(Emitter::can_be_met);

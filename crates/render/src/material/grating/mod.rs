@@ -241,10 +241,6 @@ impl Matter for Grating {
         (response, density)
     }
 
-    fn is_discrete(&self) -> bool {
-        !self.lobes.exist()
-    }
-
     fn effect(&self) -> Effect {
         Effect {
             makes_linear: true,
@@ -273,6 +269,7 @@ impl Matter for Grating {
 
     fn traits(&self) -> Traits {
         Traits {
+            discrete: !self.lobes.exist(),
             coherent: self.lobes.exist(),
             disperses: true,
             ..Traits::default()

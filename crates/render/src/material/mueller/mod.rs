@@ -111,10 +111,6 @@ impl Matter for MuellerElement {
         (response, 0.0)
     }
 
-    fn is_discrete(&self) -> bool {
-        true
-    }
-
     fn bend(&self, at: &Vertex, _: Part, _: &[f32]) -> Option<Vec3A> {
         Some(if self.reflects {
             mirror(at.o, Vec3A::Z)
@@ -133,6 +129,7 @@ impl Matter for MuellerElement {
 
     fn traits(&self) -> Traits {
         Traits {
+            discrete: true,
             straight: !self.reflects,
             ..Traits::default()
         }

@@ -367,10 +367,6 @@ impl Matter for RoughSurface {
         (response, density)
     }
 
-    fn is_discrete(&self) -> bool {
-        false
-    }
-
     fn effect(&self) -> Effect {
         Effect {
             makes_linear: true,

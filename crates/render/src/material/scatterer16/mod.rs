@@ -385,10 +385,6 @@ impl Matter for Scatterer16 {
         (response, density as f32)
     }
 
-    fn is_discrete(&self) -> bool {
-        self.sides.iter().all(Side::is_empty)
-    }
-
     fn lobe_width(&self, _: &Vertex, wavelengths: &[f32]) -> Option<f32> {
         let k = wavelength_of(wavelengths)?.wavenumber().radians_per_metre();
         let width = (self.narrowest / k) as f32;
@@ -407,10 +403,12 @@ impl Matter for Scatterer16 {
     }
 
     fn traits(&self) -> Traits {
+        let discrete = self.sides.iter().all(Side::is_empty);
         Traits {
+            discrete,
             straight: self.orders.iter().any(Order::is_straight),
-            coherent: !self.is_discrete(),
-            disperses: !self.is_discrete()
+            coherent: !discrete,
+            disperses: !discrete
                 || self
                     .orders
                     .iter()

@@ -159,7 +159,8 @@ fn orders_go_where_the_grating_equation_says() {
     };
     let parts = [-2.0, 0.0, 1.0].map(order);
     let grating = Scatterer16::new(&parts, Vec3A::ZERO, Spectrum::constant(1.0)).unwrap();
-    assert!(grating.is_discrete() && grating.traits().disperses);
+    let traits = grating.traits();
+    assert!(traits.discrete && traits.disperses);
     let o = toward(15.0, 0.0);
     for (place, order) in grating.orders.iter().enumerate() {
         let Some(i) = grating.bend(&vertex(o), Part::Discrete(place as u32), &[550.0]) else {

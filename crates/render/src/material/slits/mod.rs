@@ -263,10 +263,6 @@ impl Matter for Slits {
         (L::general(axis(at.o), axis(i), |_| matrix), density)
     }
 
-    fn is_discrete(&self) -> bool {
-        false
-    }
-
     fn effect(&self) -> Effect {
         Effect::default()
     }
