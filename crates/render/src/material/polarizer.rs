@@ -103,19 +103,11 @@ impl Matter for Polarizer {
     ) -> (L::Response, f32) {
         let o = at.o;
         let transmittance = |lane: usize| self.transmittance.value(wavelengths[lane]);
-        let (axis, ideal) = if self.polarizing {
-            let axis = axis_for(o, |k| element::polarizer_transmitted_axis(self.turn, k));
-            (axis, Element::from(element::linear_polarizer()))
+        let ideal = self.element();
+        let axis = if self.polarizing {
+            axis_for(o, |k| element::polarizer_transmitted_axis(self.turn, k))
         } else {
-            (
-                Frame::around(o).s,
-                Element {
-                    mean: 0.5,
-                    difference: 0.0,
-                    cosine: 0.5,
-                    sine: 0.0,
-                },
-            )
+            Frame::around(o).s
         };
         (
             L::diattenuating_retarder(axis, |lane| ideal.scaled(transmittance(lane))),
