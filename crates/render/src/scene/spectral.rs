@@ -39,11 +39,7 @@ impl Object {
         let spectrum = match value {
             Numbers::Uniform(v) => Ok(Spectrum::constant(v)),
             Numbers::Table(pairs) => Spectrum::tabulated(pairs),
-            Numbers::Rgb(rgb) => Ok(match use_ {
-                SpectrumUse::Reflectance => Spectrum::rgb_reflectance(rgb),
-                SpectrumUse::Emission => Spectrum::rgb_emission(rgb),
-                SpectrumUse::Unbounded => Spectrum::rgb_unbounded(rgb),
-            }),
+            Numbers::Rgb(rgb) => Ok(Spectrum::rgb(rgb, use_)),
         };
         spectrum.map(Some).map_err(|message| {
             let whose = self.describe();
