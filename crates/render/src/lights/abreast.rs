@@ -5,6 +5,7 @@
 use glam::Vec3A;
 
 use super::bundle::Seen;
+use super::tree::FEW;
 use super::{BLIND, Lights};
 use crate::emitter::Emitter;
 use crate::lanes::{Bits, MOST, Mask, Real, V3, each};
@@ -43,9 +44,6 @@ impl Seen {
             .only(lit)
     }
 }
-
-/// As many sources are weighed in all lanes at once.
-const FEW: usize = 8;
 
 /// The chances of all sources for vertices side by side, or those of one lane after the other.
 pub struct Chances<R: Real> {

@@ -38,8 +38,8 @@ struct Place {
     index: u32,
 }
 
-/// As many sources are looked at one by one: bundles of few say little of each.
-const FEW: usize = 8;
+/// As many sources are looked at one by one, or weighed in all lanes at once: bundles of few say little of each.
+pub(super) const FEW: usize = 8;
 
 /// Slabs along each axis, between which a cut may be.
 const SLABS: usize = 12;
