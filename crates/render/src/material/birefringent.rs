@@ -35,7 +35,7 @@ use std::sync::OnceLock;
 use csdm::birefringent::{
     Crystal, CrystalError, CrystalLayer, CrystalStack, Incidence, JonesSide, PlateMueller,
 };
-use glam::{DMat4, DVec3, Mat4, Vec3A};
+use glam::{DVec3, Mat4, Vec3A};
 use mueller16::DielectricInterface;
 use nalgebra::Vector3;
 use stokes::{Mueller, Wavelength};
@@ -43,7 +43,7 @@ use stokes::{Mueller, Wavelength};
 use super::dielectric::read_index;
 use super::index::Index;
 use super::wedge::Wedge;
-use super::{Departure, Effect, Matter, Part, Traits, Vertex, mirror};
+use super::{Departure, Effect, Matter, Part, Traits, Vertex, mirror, narrowed};
 use crate::coherence::Coherence;
 use crate::light::Light;
 use crate::scene::{Object, SceneError};
@@ -330,11 +330,6 @@ fn axis_across(k: DVec3) -> (DVec3, f64) {
     } else {
         (DVec3::X, 0.0)
     }
-}
-
-/// A Mueller matrix in single precision: costs 6e-8 relative.
-pub(super) fn narrowed(mueller: &Mueller) -> Mat4 {
-    DMat4::from_cols_array_2d(&mueller.to_matrix().into()).as_mat4()
 }
 
 #[cfg(test)]

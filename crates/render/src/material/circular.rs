@@ -14,7 +14,7 @@
 use glam::{Mat4, Vec3A};
 use mueller16::element;
 
-use super::{Departure, Effect, Matter, Part, Traits, Vertex};
+use super::{Departure, Effect, Matter, Part, Traits, Vertex, narrowed};
 use crate::coherence::Coherence;
 use crate::geometry::frame::Frame;
 use crate::light::Light;
@@ -32,10 +32,8 @@ impl Circular {
     /// Reads its parameters.
     pub fn read(object: &Object) -> Result<Self, SceneError> {
         let ideal = element::circular_polarizer(object.boolean("left_handed", false)?);
-        let column =
-            |j| glam::Vec4::from_array(std::array::from_fn(|i| ideal.element(i, j) as f32));
         Ok(Self {
-            matrix: Mat4::from_cols(column(0), column(1), column(2), column(3)),
+            matrix: narrowed(&ideal),
             transmittance: object.spectrum(
                 "transmittance",
                 SpectrumUse::Reflectance,

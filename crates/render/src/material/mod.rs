@@ -36,7 +36,8 @@ pub mod thindielectric;
 pub mod twosided;
 pub mod wedge;
 
-use glam::Vec3A;
+use glam::{DMat4, Mat4, Vec3A};
+use stokes::Mueller;
 
 use crate::coherence::Coherence;
 use crate::geometry::frame::Frame;
@@ -428,6 +429,11 @@ pub fn axis_s(normal: Vec3A, i: Vec3A) -> Vec3A {
     } else {
         Frame::around(i).s
     }
+}
+
+/// A Mueller matrix in single precision: costs 6e-8 relative.
+fn narrowed(mueller: &Mueller) -> Mat4 {
+    DMat4::from_cols_array_2d(&mueller.to_matrix().into()).as_mat4()
 }
 
 /// The direction mirrored at a normal.

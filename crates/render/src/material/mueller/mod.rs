@@ -30,9 +30,8 @@ use glam::Vec3A;
 use mueller16::element;
 use stokes::Mueller;
 
-use super::birefringent::narrowed;
 use super::polarizer::axis_for;
-use super::{Departure, Effect, Matter, Part, Traits, Vertex, axis_s, mirror};
+use super::{Departure, Effect, Matter, Part, Traits, Vertex, axis_s, mirror, narrowed};
 use crate::coherence::Coherence;
 use crate::light::Light;
 use crate::scene::{Object, SceneError};

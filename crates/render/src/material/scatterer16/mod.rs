@@ -40,12 +40,12 @@
 mod lobes;
 mod side;
 
-use glam::{Mat4, Vec3A, Vec4};
+use glam::Vec3A;
 use mueller16::{ChannelSet, Matter as Stationary, Population};
 use nalgebra::{Matrix2, Matrix4, Vector2};
 use stokes::{Envelope, Mueller, Wavelength};
 
-use super::{Departure, Effect, Matter, Part, Traits, Vertex};
+use super::{Departure, Effect, Matter, Part, Traits, Vertex, narrowed};
 use crate::coherence::Coherence;
 use crate::eval::population::{self, populations};
 use crate::geometry::frame::Frame;
@@ -278,12 +278,6 @@ fn axis_u(v: Vec3A) -> Vec3A {
     Frame::with_tangent(v, Vec3A::X).s
 }
 
-/// Narrows to single precision: costs 6e-8 relative.
-fn narrowed(m: &Matrix4<f64>) -> Mat4 {
-    let column = |j: usize| Vec4::from_array(std::array::from_fn(|l| m[(l, j)] as f32));
-    Mat4::from_cols(column(0), column(1), column(2), column(3))
-}
-
 fn wavelength_of(wavelengths: &[f32]) -> Option<Wavelength> {
     Wavelength::from_metres(f64::from(*wavelengths.first()?) * 1e-9).ok()
 }
@@ -373,12 +367,8 @@ impl Matter for Scatterer16 {
         };
         // through the matter from behind, the reciprocal way
         let behind = o.z * i.z < 0.0 && i.z < 0.0;
-        let matrix = if behind {
-            Mueller::from(matrix).reversed().to_matrix()
-        } else {
-            matrix
-        };
-        let matrix = narrowed(&matrix);
+        let matrix = Mueller::from(matrix);
+        let matrix = narrowed(&if behind { matrix.reversed() } else { matrix });
         let response = L::general(axis_u(o), axis_u(i), |lane| {
             matrix * self.scale.value(wavelengths[lane])
         });
