@@ -19,7 +19,7 @@ use crate::coherence::Coherence;
 use crate::geometry::frame::Frame;
 use crate::light::Light;
 use crate::scene::{Object, SceneError};
-use crate::spectrum::{Spectrum, SpectrumUse};
+use crate::spectrum::Spectrum;
 
 /// A circular polarizer.
 #[derive(Clone, Debug)]
@@ -34,11 +34,7 @@ impl Circular {
         let ideal = element::circular_polarizer(object.boolean("left_handed", false)?);
         Ok(Self {
             matrix: narrowed(&ideal),
-            transmittance: object.spectrum(
-                "transmittance",
-                SpectrumUse::Reflectance,
-                Spectrum::constant(1.0),
-            )?,
+            transmittance: object.factor("transmittance")?,
         })
     }
 }

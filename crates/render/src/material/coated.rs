@@ -101,11 +101,7 @@ impl Coat {
             surface,
             passages,
             base,
-            reflectance: object.spectrum(
-                "specular_reflectance",
-                SpectrumUse::Reflectance,
-                Spectrum::constant(1.0),
-            )?,
+            reflectance: object.factor("specular_reflectance")?,
         })
     }
 

@@ -69,11 +69,7 @@ impl Metal {
                 object.spectrum("k", SpectrumUse::Unbounded, Spectrum::constant(1.0))?,
             ),
         };
-        let reflectance = object.spectrum(
-            "specular_reflectance",
-            SpectrumUse::Reflectance,
-            Spectrum::constant(1.0),
-        )?;
+        let reflectance = object.factor("specular_reflectance")?;
         let fixed = (eta.is_constant() && k.is_constant())
             .then(|| interface(eta.value(0.0), k.value(0.0)))
             .flatten();

@@ -22,7 +22,7 @@ use crate::coherence::Coherence;
 use crate::ior;
 use crate::light::{Element, Light};
 use crate::scene::{Object, SceneError};
-use crate::spectrum::{Spectrum, SpectrumUse};
+use crate::spectrum::Spectrum;
 
 /// A smooth dielectric surface.
 #[derive(Clone, Debug)]
@@ -61,15 +61,13 @@ impl Dielectric {
     pub fn read(object: &Object) -> Result<Self, SceneError> {
         let inside = read_index(object, "int_ior", "bk7")?;
         let outside = read_index(object, "ext_ior", "air")?;
-        let factor =
-            |name| object.spectrum(name, SpectrumUse::Reflectance, Spectrum::constant(1.0));
         let interface = |a, b| DielectricInterface::new(a, b).map_err(|e| object.error(e));
         Ok(Self {
             outside: interface(outside, inside)?,
             inside: interface(inside, outside)?,
             eta: (inside / outside) as f32,
-            reflectance: factor("specular_reflectance")?,
-            transmittance: factor("specular_transmittance")?,
+            reflectance: object.factor("specular_reflectance")?,
+            transmittance: object.factor("specular_transmittance")?,
         })
     }
 

@@ -34,7 +34,7 @@ use super::{Departure, Effect, Matter, Part, Traits, Vertex, axis_s, mirror};
 use crate::coherence::Coherence;
 use crate::light::{Element, Light};
 use crate::scene::{Object, SceneError};
-use crate::spectrum::{Spectrum, SpectrumUse};
+use crate::spectrum::Spectrum;
 
 /// Neither way is taken less often than this where both are open.
 const LEAST_CHOICE: f32 = 1e-3;
@@ -82,16 +82,14 @@ impl Layered {
         } else {
             Substrate::Free
         };
-        let factor =
-            |name| object.spectrum(name, SpectrumUse::Reflectance, Spectrum::constant(1.0));
         let mut layered = Self {
             films,
             outside,
             substrate,
             wedge: Wedge::read(object)?,
             fixed: None,
-            reflectance: factor("specular_reflectance")?,
-            transmittance: factor("specular_transmittance")?,
+            reflectance: object.factor("specular_reflectance")?,
+            transmittance: object.factor("specular_transmittance")?,
         };
         let constant = match &layered.substrate {
             Substrate::Free => true,

@@ -22,7 +22,7 @@ use crate::coherence::Coherence;
 use crate::geometry::frame::Frame;
 use crate::light::{Element, Light};
 use crate::scene::{Object, SceneError};
-use crate::spectrum::{Spectrum, SpectrumUse};
+use crate::spectrum::Spectrum;
 
 /// A linear polarizer.
 #[derive(Clone, Debug)]
@@ -38,11 +38,7 @@ impl Polarizer {
     pub fn read(object: &Object) -> Result<Self, SceneError> {
         Ok(Self {
             turn: object.float("theta", 0.0)?.to_radians().sin_cos(),
-            transmittance: object.spectrum(
-                "transmittance",
-                SpectrumUse::Reflectance,
-                Spectrum::constant(1.0),
-            )?,
+            transmittance: object.factor("transmittance")?,
             polarizing: object.boolean("polarizing", true)?,
         })
     }

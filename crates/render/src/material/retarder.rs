@@ -39,11 +39,7 @@ impl Retarder {
         Ok(Self {
             turn: object.float("theta", 0.0)?.to_radians().sin_cos(),
             delta: object.spectrum("delta", SpectrumUse::Unbounded, Spectrum::constant(90.0))?,
-            transmittance: object.spectrum(
-                "transmittance",
-                SpectrumUse::Reflectance,
-                Spectrum::constant(1.0),
-            )?,
+            transmittance: object.factor("transmittance")?,
         })
     }
 }

@@ -66,11 +66,7 @@ impl Rotator {
             angle,
             factor,
             reference: object.positive_length("reference")?.map(|m| m * 1e9),
-            transmittance: object.spectrum(
-                "transmittance",
-                SpectrumUse::Reflectance,
-                Spectrum::constant(1.0),
-            )?,
+            transmittance: object.factor("transmittance")?,
         })
     }
 

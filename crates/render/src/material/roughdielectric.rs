@@ -36,7 +36,7 @@ use super::{Departure, Effect, Matter, Part, Vertex, axis_s, dark, mirror};
 use crate::coherence::Coherence;
 use crate::light::{Element, Light};
 use crate::scene::{Object, SceneError};
-use crate::spectrum::{Spectrum, SpectrumUse};
+use crate::spectrum::Spectrum;
 
 /// A rough dielectric surface.
 #[derive(Clone, Debug)]
@@ -123,15 +123,13 @@ impl RoughDielectric {
     /// Reads its parameters.
     pub fn read(object: &Object) -> Result<Self, SceneError> {
         let (outside, inside) = read_two_indices(object, "bk7")?;
-        let factor =
-            |name| object.spectrum(name, SpectrumUse::Reflectance, Spectrum::constant(1.0));
         Ok(Self {
             outside,
             inside,
             eta: (outside.n_transmitted() / outside.n_incident()) as f32,
             facets: Microfacets::read(object)?,
-            reflectance: factor("specular_reflectance")?,
-            transmittance: factor("specular_transmittance")?,
+            reflectance: object.factor("specular_reflectance")?,
+            transmittance: object.factor("specular_transmittance")?,
         })
     }
 

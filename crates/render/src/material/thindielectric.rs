@@ -31,7 +31,7 @@ use super::{Departure, Effect, Matter, Part, Traits, Vertex, axis_s, mirror};
 use crate::coherence::Coherence;
 use crate::light::{Element, Light};
 use crate::scene::{Object, SceneError};
-use crate::spectrum::{Spectrum, SpectrumUse};
+use crate::spectrum::Spectrum;
 
 /// Cosines below this are taken for it: the sums are 0/0 at grazing incidence.
 const LEAST_COSINE: f64 = 1e-6;
@@ -102,12 +102,10 @@ impl ThinDielectric {
     pub fn read(object: &Object) -> Result<Self, SceneError> {
         let inside = read_index(object, "int_ior", "bk7")?;
         let outside = read_index(object, "ext_ior", "air")?;
-        let factor =
-            |name| object.spectrum(name, SpectrumUse::Reflectance, Spectrum::constant(1.0));
         Ok(Self {
             face: DielectricInterface::new(outside, inside).map_err(|e| object.error(e))?,
-            reflectance: factor("specular_reflectance")?,
-            transmittance: factor("specular_transmittance")?,
+            reflectance: object.factor("specular_reflectance")?,
+            transmittance: object.factor("specular_transmittance")?,
         })
     }
 

@@ -22,6 +22,15 @@ impl Object {
         Ok(self.optional_spectrum(name, use_)?.unwrap_or(default))
     }
 
+    /// A factor on what is reflected or transmitted, in `0.0..=1.0`; 1 where the file gives none.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Object::spectrum`].
+    pub fn factor(&self, name: &str) -> Result<Spectrum, SceneError> {
+        self.spectrum(name, SpectrumUse::Reflectance, Spectrum::constant(1.0))
+    }
+
     /// A spectrum, if the file gives one.
     ///
     /// # Errors

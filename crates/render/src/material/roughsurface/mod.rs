@@ -47,7 +47,7 @@ use super::{Departure, Effect, Matter, Part, Traits, Vertex, axis_s, dark, mirro
 use crate::coherence::Coherence;
 use crate::light::{Element, Light};
 use crate::scene::{Object, SceneError};
-use crate::spectrum::{Spectrum, SpectrumUse};
+use crate::spectrum::Spectrum;
 use cap::Cap;
 use pair::{Blur, Lit, Media};
 use relief::Heights;
@@ -137,14 +137,12 @@ impl RoughSurface {
                 format!("an index of {inside} on both sides, expected two different ones; 'null' is no surface"),
             ));
         }
-        let factor =
-            |name| object.spectrum(name, SpectrumUse::Reflectance, Spectrum::constant(1.0));
         let interface = |a, b| DielectricInterface::new(a, b).map_err(|e| object.error(e));
         let glass = Glass {
             outside: interface(outside, inside)?,
             inside: interface(inside, outside)?,
-            reflectance: factor("specular_reflectance")?,
-            transmittance: factor("specular_transmittance")?,
+            reflectance: object.factor("specular_reflectance")?,
+            transmittance: object.factor("specular_transmittance")?,
         };
         let n = [outside as f32, inside as f32];
         let passage = |from: usize, to: usize| Media {

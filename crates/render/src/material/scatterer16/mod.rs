@@ -51,7 +51,7 @@ use crate::eval::population::{self, populations};
 use crate::geometry::frame::Frame;
 use crate::light::Light;
 use crate::scene::{Object, SceneError};
-use crate::spectrum::{Spectrum, SpectrumUse};
+use crate::spectrum::Spectrum;
 use lobes::Order;
 use side::{Answer, Side};
 
@@ -95,7 +95,7 @@ impl Scatterer16 {
         let matter = Self::new(
             &parts,
             Vec3A::new(x as f32, y as f32, z as f32),
-            object.spectrum("scale", SpectrumUse::Reflectance, Spectrum::constant(1.0))?,
+            object.factor("scale")?,
         )
         .map_err(refuse)?;
         if parts
