@@ -5,7 +5,7 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3A;
 
 use super::area::Area;
-use super::{Emitter, Kind};
+use super::{Colour, Emitter, Kind};
 use crate::geometry::frame::Frame;
 use crate::lanes::{Axes, MOST, Mask, Real, V3, each, part};
 use crate::light::abreast::{Abreast, Shine};
@@ -263,16 +263,8 @@ impl Emitter {
         wavelengths: &L::Values<R>,
         lanes: R::M,
     ) -> Shine<L::Values<R>, R> {
-        let (spectrum, scale) = match &self.kind {
-            Kind::Area(e) => (&e.radiance, 1.0),
-            Kind::Constant(e) => (&e.radiance, 1.0),
-            Kind::Point(e) => (&e.intensity, 1.0),
-            Kind::Spot(e) => (&e.intensity, 1.0),
-            Kind::Directional(e) => (&e.irradiance, e.scale),
-            Kind::Laser(e) => (&e.power, 1.0),
-            Kind::Schell(_) | Kind::RayleighSky(_) => {
-                return self.shine_one_by_one::<R, L>(k, from, wavelengths, lanes);
-            }
+        let Colour::Spectrum(spectrum, scale) = self.colour() else {
+            return self.shine_one_by_one::<R, L>(k, from, wavelengths, lanes);
         };
         let mut radiance = *wavelengths;
         for value in radiance.as_mut() {

@@ -20,6 +20,7 @@ use crate::light::{Emission, Light};
 use crate::lights::Glance;
 use crate::scene::{Body, Scene};
 use crate::shape::Surface;
+use crate::spectrum::Spectrum;
 use patch::{Cut, Outline};
 use polarization::Polarization;
 
@@ -51,6 +52,16 @@ pub enum Kind {
     RayleighSky(Box<rayleighsky::RayleighSky>),
     /// A parallel beam.
     Laser(laser::Laser),
+}
+
+/// How the light of a source depends on the wavelength.
+enum Colour<'a> {
+    /// As a spectrum times a factor, the same in all directions.
+    Spectrum(&'a Spectrum, f32),
+    /// In every direction otherwise.
+    Schell(&'a egsm::Schell),
+    /// In every direction otherwise.
+    RayleighSky(&'a rayleighsky::RayleighSky),
 }
 
 /// A way from a vertex to a light source.
@@ -161,21 +172,31 @@ impl Emitter {
         }
     }
 
+    /// How its light depends on the wavelength.
+    #[inline(always)]
+    fn colour(&self) -> Colour<'_> {
+        match &self.kind {
+            Kind::Area(e) => Colour::Spectrum(&e.radiance, 1.0),
+            Kind::Constant(e) => Colour::Spectrum(&e.radiance, 1.0),
+            Kind::Point(e) => Colour::Spectrum(&e.intensity, 1.0),
+            Kind::Spot(e) => Colour::Spectrum(&e.intensity, 1.0),
+            Kind::Directional(e) => Colour::Spectrum(&e.irradiance, e.scale),
+            Kind::Laser(e) => Colour::Spectrum(&e.power, 1.0),
+            Kind::Schell(e) => Colour::Schell(e),
+            Kind::RayleighSky(e) => Colour::RayleighSky(e),
+        }
+    }
+
     /// The light that it sends along `k` from a point on it: radiance, or intensity, irradiance or power of emitters
     /// that have no radiance.
     ///
     /// `from` means nothing for sources outside the scene.
     #[inline]
     pub fn emit<L: Light>(&self, k: Vec3A, from: Vec3A, wavelengths: &[f32]) -> Emission<L> {
-        let (spectrum, scale) = match &self.kind {
-            Kind::Area(e) => (&e.radiance, 1.0),
-            Kind::Constant(e) => (&e.radiance, 1.0),
-            Kind::Point(e) => (&e.intensity, 1.0),
-            Kind::Spot(e) => (&e.intensity, 1.0),
-            Kind::Directional(e) => (&e.irradiance, e.scale),
-            Kind::Laser(e) => (&e.power, 1.0),
-            Kind::Schell(e) => return e.emit(k, from, wavelengths),
-            Kind::RayleighSky(e) => return e.emit(k, wavelengths),
+        let (spectrum, scale) = match self.colour() {
+            Colour::Spectrum(spectrum, scale) => (spectrum, scale),
+            Colour::Schell(e) => return e.emit(k, from, wavelengths),
+            Colour::RayleighSky(e) => return e.emit(k, wavelengths),
         };
         let radiance = |lane: usize| spectrum.value(wavelengths[lane]) * scale;
         match &self.polarization {
@@ -196,15 +217,10 @@ impl Emitter {
 
     /// Whether its light is the same at all wavelengths of a range, nm.
     pub fn is_grey(&self, range: [f64; 2]) -> bool {
-        match &self.kind {
-            Kind::Area(e) => e.radiance.is_constant_over(range),
-            Kind::Constant(e) => e.radiance.is_constant_over(range),
-            Kind::Point(e) => e.intensity.is_constant_over(range),
-            Kind::Spot(e) => e.intensity.is_constant_over(range),
-            Kind::Directional(e) => e.irradiance.is_constant_over(range),
-            Kind::Laser(e) => e.power.is_constant_over(range),
-            Kind::RayleighSky(e) => e.is_grey(range),
-            Kind::Schell(_) => false,
+        match self.colour() {
+            Colour::Spectrum(spectrum, _) => spectrum.is_constant_over(range),
+            Colour::RayleighSky(e) => e.is_grey(range),
+            Colour::Schell(_) => false,
         }
     }
 
