@@ -40,6 +40,7 @@ use glam::{Vec2, Vec3, Vec3A, Vec4, vec2, vec4};
 use super::patch::Outline;
 use super::polarization::across;
 use super::{Connection, Target};
+use crate::colour::FIRST_NM;
 use crate::light::{Emission, Light};
 use crate::lights::{Bundle, Glance};
 use crate::scene::{Object, Scene, SceneError};
@@ -49,11 +50,12 @@ use crate::shape::{by_area, solid_angle_density};
 /// far less in sums over them.
 const PATCH_OF_SPOT: f32 = 0.25;
 
-/// Half-width of patches, in widths of the narrowest cone of light at the shortest wavelength that is rendered.
+/// Half-width of patches, in widths of the narrowest cone of light at the wavelength for which they are cut.
 const PATCH_OF_CONE: f32 = 0.25;
 
-/// Shortest wavelength rendered, metres.
-const SHORTEST: f64 = 360e-9;
+/// Patches are cut for this wavelength, nm, or for a shorter one that is rendered: images of all visible light, and of
+/// one wavelength of it, have the same.
+const SHORTEST: f64 = FIRST_NM;
 
 /// A spot of partially coherent, partially polarized light.
 #[derive(Clone, Debug)]
@@ -70,6 +72,8 @@ pub struct Schell {
     strengths: [f64; 4],
     /// Whether points are drawn from the Gaussian; of a small part of it evenly.
     gaussian: bool,
+    /// Wavelength for which patches are cut, nm.
+    shortest: f64,
 }
 
 impl Schell {
@@ -150,6 +154,7 @@ impl Schell {
             lengths: [l2(xx), l2(yy), l2(xy)],
             strengths: [a_x * a_x, a_y * a_y, a_x * a_y * re, a_x * a_y * im],
             gaussian: f64::from(smaller) > 1.5 * sigma,
+            shortest: SHORTEST,
         })
     }
 
@@ -270,10 +275,15 @@ impl Schell {
         ))
     }
 
+    /// Cuts patches for light from the first to the second wavelength, nm.
+    pub(super) fn fit(&mut self, [shortest, _]: [f64; 2]) {
+        self.shortest = shortest.min(SHORTEST);
+    }
+
     /// Largest half-width of a patch for a vertex at `from`, radians.
     pub(super) fn largest_patch(&self, from: Vec3A, largest: f32) -> f32 {
         let l2 = self.lengths.into_iter().fold(0.0, f64::max);
-        let cone = (SHORTEST / (TAU * l2.sqrt())) as f32;
+        let cone = (self.shortest / 1e9 / (TAU * l2.sqrt())) as f32;
         let distance = (from - self.outline.centre).length();
         largest
             .min(PATCH_OF_CONE * cone)
@@ -315,5 +325,46 @@ fn correlation(object: &Object) -> Result<(f64, f64), SceneError> {
                 object.describe()
             ),
         )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::emitter::{Emitter, Kind};
+    use crate::scene::{Overrides, build, read_text};
+
+    #[test]
+    fn patches_are_a_quarter_of_the_cone_of_every_wavelength() {
+        let text = "<scene version='3.0.0'><shape type='disk'><emitter type='egsm'>
+            <string name='sigma' value='2mm'/><string name='delta_xx' value='1um'/></emitter></shape></scene>";
+        let document = read_text(text, "test.xml".as_ref(), &[]).unwrap();
+        let mut scene = build(&document, Overrides::default()).unwrap().scene;
+        // 1/l² = 1/4σ² + 1/δ²
+        let width = 1e-6 * (1.0f64 + 0.25 * (1e-6 / 2e-3f64).powi(2)).powf(-0.5);
+        for (range, cut_for) in [
+            ([100.0; 2], 100.0),
+            ([550.0; 2], 360.0),
+            ([200.0, 900.0], 200.0),
+            ([360.0, 830.0], 360.0),
+        ] {
+            scene.weigh_lights(range);
+            let [
+                Emitter {
+                    kind: Kind::Schell(spot),
+                    ..
+                },
+            ] = &scene.emitters[..]
+            else {
+                panic!("one spot");
+            };
+            // so near that the spot itself asks for no smaller ones
+            let found = f64::from(spot.largest_patch(Vec3A::new(0.0, 0.0, 1e-4), 1.0));
+            let expected = 0.25 * cut_for * 1e-9 / (TAU * width);
+            assert!(
+                (found / expected - 1.0).abs() < 1e-6,
+                "{range:?}: {found} {expected}"
+            );
+        }
     }
 }

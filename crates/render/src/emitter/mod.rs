@@ -238,6 +238,13 @@ impl Emitter {
         }
     }
 
+    /// Makes it ready for light from the first to the second wavelength, nm.
+    pub fn fit(&mut self, range: [f64; 2]) {
+        if let Kind::Schell(e) = &mut self.kind {
+            e.fit(range);
+        }
+    }
+
     /// It as a choice between sources sees it, by its mean over wavelengths from the first to the second, nm.
     pub fn glance(&self, scene: &Scene, range: [f64; 2]) -> Glance {
         match &self.kind {

@@ -265,8 +265,12 @@ impl Scene {
         self.trace::<true>(ray, stack).is_none()
     }
 
-    /// Weighs the light sources against each other by their light from the first to the second wavelength, nm.
+    /// Weighs the light sources against each other by their light from the first to the second wavelength, nm, and makes
+    /// them ready for it.
     pub fn weigh_lights(&mut self, range: [f64; 2]) {
+        for emitter in &mut self.emitters {
+            emitter.fit(range);
+        }
         let glances: Vec<_> = self
             .emitters
             .iter()
