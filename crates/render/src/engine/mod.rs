@@ -310,8 +310,8 @@ pub fn render(
                 counters: rendering.counters,
                 elapsed: start.elapsed(),
             });
-            if stop.load(Ordering::Relaxed) {
-                rendering.interrupted = taken.open > 0 || spread.is_some();
+            if taken.open > 0 && stop.load(Ordering::Relaxed) {
+                rendering.interrupted = true;
                 break 'work;
             }
             if limits.time.is_some_and(|limit| start.elapsed() >= limit) {
@@ -339,8 +339,53 @@ pub fn render(
         goals = spread
             .as_mut()
             .and_then(|spread| spread.next(&rendering.tiles));
+        if goals.is_some() && stop.load(Ordering::Relaxed) {
+            rendering.interrupted = true;
+            break;
+        }
     }
     rendering.wall = start.elapsed();
     rendering.cpu = cpu_start.elapsed();
     rendering
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Overrides, build, read_text};
+
+    /// Renders until all samples are taken, or so many of all pixels together.
+    fn rendered(adaptive: bool, until: u64) -> Rendering {
+        let text = "<scene version='3.0.0'>
+            <sensor type='perspective'><film type='hdrfilm'><integer name='width' value='8'/>
+                <integer name='height' value='8'/></film></sensor>
+            <emitter type='constant'/>
+            <shape type='sphere'><point name='center' x='0' y='0' z='4'/></shape></scene>";
+        let document = read_text(text, "test.xml".as_ref(), &[]).unwrap();
+        let built = build(&document, Overrides::default()).unwrap();
+        let job = Job {
+            samples: 64,
+            adaptive,
+            block: 4,
+            ..Job::new(built, SpectralMode::Single(550.0))
+        };
+        let stop = AtomicBool::new(false);
+        render(&job, Limits::default(), &stop, |progress| {
+            if progress.rendering.samples >= until {
+                stop.store(true, Ordering::Relaxed);
+            }
+        })
+    }
+
+    #[test]
+    fn only_an_unfinished_image_has_been_interrupted() {
+        let whole = [false, true].map(|adaptive| rendered(adaptive, u64::MAX));
+        assert!(whole.iter().all(|rendering| !rendering.interrupted));
+        for (adaptive, whole) in [false, true].into_iter().zip(&whole) {
+            let late = rendered(adaptive, whole.samples);
+            assert_eq!((late.samples, late.interrupted), (whole.samples, false));
+        }
+        let early = rendered(true, 1);
+        assert!(early.samples < whole[1].samples && early.interrupted);
+    }
 }
