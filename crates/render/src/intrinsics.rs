@@ -2,7 +2,7 @@
 //!
 //! # Why it is sound
 //!
-//! *Instructions are used only where the processor has them.* [`found`] alone asks for them, and it alone makes the
+//! *Instructions are used only where the processor has them.* [`present`] alone asks for them, and it alone makes the
 //! permissions [`Avx2`] and `Avx512`. Whatever uses instructions either takes a permission, or is a function of the types
 //! `F`, `U`, `M` and `D`, which have no name outside their module: other code meets them as the types of a [`Task`], which
 //! `run` does where there is a permission. Comments call this *the rule*.
@@ -13,11 +13,13 @@
 //! None of it changes a result. The twins in plain Rust are `lanes/one.rs` and, for single rays, `Portable` in
 //! `geometry/lanes.rs`; operation by operation they give the same bits.
 //!
-//! [`found`]: x86::found
+//! [`present`]: x86::present
 //! [`Avx2`]: x86::Avx2
 //! [`Task`]: crate::lanes::Task
 #![expect(unsafe_code, reason = "sound by what this page says")]
 
+#[cfg(all(target_arch = "x86_64", test))]
+pub(crate) use x86::present;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use x86::{Avx2, found};
 
@@ -27,7 +29,7 @@ mod x86 {
     use std::sync::OnceLock;
 
     use crate::geometry::lanes::{Lanes, Simd, Traversal};
-    use crate::lanes::{Bits, Double, MOST, Mask, Part, Real, Task};
+    use crate::lanes::{Allowed, Bits, Double, MOST, Mask, Part, Real, Task};
 
     // ---- what the processor has ----
 
@@ -39,18 +41,25 @@ mod x86 {
     #[derive(Clone, Copy, Debug)]
     pub(crate) struct Avx512(());
 
-    /// What the processor has and the environment does not forbid: `BREWSTER_SIMD` is `portable` for neither, `avx2`
-    /// for no AVX-512; other wishes mean nothing. Asked once.
+    /// What the processor has.
+    pub(crate) fn present() -> (Option<Avx2>, Option<Avx512>) {
+        let avx2 = is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("bmi1")
+            && is_x86_feature_detected!("bmi2");
+        let avx512 = avx2 && is_x86_feature_detected!("avx512f");
+        (avx2.then_some(Avx2(())), avx512.then_some(Avx512(())))
+    }
+
+    /// Of it what the environment allows. Asked once.
     pub(crate) fn found() -> (Option<Avx2>, Option<Avx512>) {
         static FOUND: OnceLock<(Option<Avx2>, Option<Avx512>)> = OnceLock::new();
         *FOUND.get_or_init(|| {
-            let wish = std::env::var_os("BREWSTER_SIMD").unwrap_or_default();
-            let avx2 = wish != "portable"
-                && is_x86_feature_detected!("avx2")
-                && is_x86_feature_detected!("bmi1")
-                && is_x86_feature_detected!("bmi2");
-            let avx512 = avx2 && wish != "avx2" && is_x86_feature_detected!("avx512f");
-            (avx2.then_some(Avx2(())), avx512.then_some(Avx512(())))
+            let (avx2, avx512) = present();
+            match Allowed::by_environment().unwrap_or_default() {
+                Allowed::All => (avx2, avx512),
+                Allowed::Avx2 => (avx2, None),
+                Allowed::Portable => (None, None),
+            }
         })
     }
 

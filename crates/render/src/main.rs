@@ -28,13 +28,14 @@ enum Task {
 }
 
 fn main() -> ExitCode {
-    let outcome = match Command::parse().task {
+    let task = Command::parse().task;
+    let outcome = cli::check_environment().and_then(|()| match task {
         Task::Render(args) => cli::render::run(&args),
         Task::Maps(args) => cli::maps::run(&args),
         Task::Inspect(args) => cli::inspect::run(&args),
         Task::Compare(args) => cli::compare::run(&args),
         Task::Eval(args) => cli::eval::run(&args),
-    };
+    });
     outcome.unwrap_or_else(|failure| {
         eprintln!("brewster: {failure}");
         failure.exit_code()

@@ -3,6 +3,8 @@
 use std::io::Write as _;
 use std::process::ExitCode;
 
+use crate::lanes::Allowed;
+
 pub mod compare;
 pub mod eval;
 pub mod inspect;
@@ -31,6 +33,15 @@ impl Failure {
             Self::Work(_) => ExitCode::from(1),
         }
     }
+}
+
+/// Refuses an environment that asks for what there is not.
+///
+/// # Errors
+///
+/// A wrong value of `BREWSTER_SIMD`.
+pub fn check_environment() -> Result<(), Failure> {
+    Allowed::by_environment().map(drop).map_err(Failure::Usage)
 }
 
 /// Says something on standard output; who has closed it, as `head` does, does not want to know.

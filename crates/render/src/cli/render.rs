@@ -28,6 +28,9 @@ const MOST_MEMORY: u64 = 16 * GIB;
 
 /// Command line of `brewster render`.
 #[derive(clap::Args, Debug)]
+#[command(
+    after_help = "Environment:\n  BREWSTER_SIMD=avx2|portable  Fewer of the processor's vector instructions; the image is the same"
+)]
 pub struct Args {
     /// Scene file (Mitsuba 3 XML)
     scene: PathBuf,

@@ -77,7 +77,7 @@ pub(super) enum Instructions {
 }
 
 impl Instructions {
-    /// The best that this processor has, or the portable ones where the environment says `BREWSTER_SIMD=portable`.
+    /// The best that this processor has, or the portable ones where the environment allows no others.
     pub(super) fn choose() -> Self {
         #[cfg(target_arch = "x86_64")]
         if let (Some(avx2), _) = found() {

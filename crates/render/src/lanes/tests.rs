@@ -150,6 +150,24 @@ impl Task for Moves {
 }
 
 #[test]
+fn unknown_instructions_are_refused() {
+    for (wish, expected) in [
+        ("", Allowed::All),
+        ("avx2", Allowed::Avx2),
+        ("portable", Allowed::Portable),
+    ] {
+        assert_eq!(Allowed::of(wish.as_ref()), Ok(expected));
+    }
+    assert_eq!(
+        Allowed::of("AVX2".as_ref()),
+        Err(
+            "BREWSTER_SIMD: unknown instructions 'AVX2', expected 'avx2' or 'portable', or nothing for all"
+                .to_owned()
+        )
+    );
+}
+
+#[test]
 fn lanes_are_packed_and_gathered() {
     run_with_each(Moves);
 }
