@@ -7,8 +7,9 @@
 //! `F`, `U`, `M` and `D`, which have no name outside their module: other code meets them as the types of a [`Task`], which
 //! `run` does where there is a permission. Comments call this *the rule*.
 //!
-//! *Memory is touched in few places.* What stands in tables (`operators!`, `inlined!`) works on registers alone. Every
-//! pointer elsewhere comes from an array or a slice, and the comment says why it is long enough.
+//! *Memory is touched in few places.* What stands in tables (`operators!`, `inlined!`) takes registers and gives them back,
+//! and no pointers; of all this only `order` reads memory, a row of the table `ORDERS`. Every pointer elsewhere comes from
+//! an array or a slice, and the comment says why it is long enough.
 //!
 //! None of it changes a result. The twins in plain Rust are `lanes/one.rs` and, for single rays, `Portable` in
 //! `geometry/lanes.rs`; operation by operation they give the same bits.
@@ -99,7 +100,7 @@ mod x86 {
         ($(fn $name:ident $(<const $n:ident: i32>)? ($($arguments:tt)*) -> $out:ty = $body:expr;)*) => {$(
             #[inline(always)]
             fn $name $(<const $n: i32>)? ($($arguments)*) -> $out {
-                // SAFETY: the rule; no memory is touched
+                // SAFETY: the rule; no pointer is taken
                 unsafe { $body }
             }
         )*};
