@@ -1,5 +1,4 @@
 //! Brewster: a polarization-aware renderer, from scene file to Stokes image.
-#![deny(unsafe_code)]
 
 pub mod analyzer;
 pub mod cli;
