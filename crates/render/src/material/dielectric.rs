@@ -27,12 +27,7 @@ use crate::spectrum::Spectrum;
 /// A smooth dielectric surface.
 #[derive(Clone, Debug)]
 pub struct Dielectric {
-    /// Light that comes from the side of the normal.
-    outside: DielectricInterface,
-    /// Light that comes from the other side.
-    inside: DielectricInterface,
-    /// Index inside over index outside.
-    eta: f32,
+    faces: Faces,
     reflectance: Spectrum,
     transmittance: Spectrum,
 }
@@ -56,29 +51,74 @@ pub fn read_index(object: &Object, parameter: &str, default: &str) -> Result<f64
     }
 }
 
-impl Dielectric {
-    /// Reads its parameters.
-    pub fn read(object: &Object) -> Result<Self, SceneError> {
-        let inside = read_index(object, "int_ior", "bk7")?;
+/// The boundary of two clear media, as light from either of them meets it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Faces {
+    /// Light that comes from the side of the normal.
+    outside: DielectricInterface,
+    /// Light that comes from the other side.
+    inside: DielectricInterface,
+    /// Index inside over index outside.
+    eta: f32,
+}
+
+impl Faces {
+    /// Reads `int_ior`, by default that of a medium, and `ext_ior`.
+    pub(super) fn read(object: &Object, default: &str) -> Result<Self, SceneError> {
+        let inside = read_index(object, "int_ior", default)?;
         let outside = read_index(object, "ext_ior", "air")?;
-        let interface = |a, b| DielectricInterface::new(a, b).map_err(|e| object.error(e));
+        let face = DielectricInterface::new(outside, inside).map_err(|e| object.error(e))?;
         Ok(Self {
-            outside: interface(outside, inside)?,
-            inside: interface(inside, outside)?,
+            outside: face,
+            inside: face.reversed(),
             eta: (inside / outside) as f32,
-            reflectance: object.factor("specular_reflectance")?,
-            transmittance: object.factor("specular_transmittance")?,
         })
     }
 
-    /// The interface for light on the side of `direction`.
-    #[inline]
-    fn side(&self, direction: Vec3A) -> &DielectricInterface {
-        if direction.z > 0.0 {
-            &self.outside
-        } else {
-            &self.inside
-        }
+    /// The face for light on the side of the normal, or on the other.
+    #[inline(always)]
+    pub(super) fn side(&self, above: bool) -> &DielectricInterface {
+        if above { &self.outside } else { &self.inside }
+    }
+
+    /// Index on the other side over that on a side.
+    #[inline(always)]
+    pub(super) fn eta(&self, above: bool) -> f32 {
+        if above { self.eta } else { self.eta.recip() }
+    }
+
+    /// Indices on the side of the normal and on the other.
+    #[inline(always)]
+    pub(super) fn indices(&self) -> [f64; 2] {
+        [self.outside.n_incident(), self.outside.n_transmitted()]
+    }
+}
+
+/// The parameter that makes matter glass; `None` where it is a metal.
+///
+/// # Errors
+///
+/// Where there are parameters of both.
+pub(super) fn glass_parameter(object: &Object) -> Result<Option<&'static str>, SceneError> {
+    let given = |names: &[&'static str]| names.iter().copied().find(|name| object.has(name));
+    let glass = given(&["int_ior", "ext_ior"]);
+    match (given(&["material", "eta", "k"]), glass) {
+        (Some(metal), Some(glass)) => Err(object.error_at(
+            metal,
+            format!("both '{metal}' and '{glass}' are given, expected a metal or glass"),
+        )),
+        _ => Ok(glass),
+    }
+}
+
+impl Dielectric {
+    /// Reads its parameters.
+    pub fn read(object: &Object) -> Result<Self, SceneError> {
+        Ok(Self {
+            faces: Faces::read(object, "bk7")?,
+            reflectance: object.factor("specular_reflectance")?,
+            transmittance: object.factor("specular_transmittance")?,
+        })
     }
 }
 
@@ -86,7 +126,7 @@ impl Dielectric {
     /// Indices on the side of the normal and on the other.
     #[inline(always)]
     pub(super) fn indices(&self) -> [f64; 2] {
-        [self.outside.n_incident(), self.outside.n_transmitted()]
+        self.faces.indices()
     }
 
     /// Factors on what is reflected and on what is transmitted.
@@ -99,12 +139,9 @@ impl Dielectric {
     #[inline]
     fn refracted(&self, o: Vec3A) -> Option<(Vec3A, f32)> {
         let cos_o = f64::from(o.z.abs());
-        let cos_i = self.side(o).transmission(cos_o)?.cos_t as f32;
-        let eta = if o.z > 0.0 {
-            self.eta
-        } else {
-            self.eta.recip()
-        };
+        let above = o.z > 0.0;
+        let cos_i = self.faces.side(above).transmission(cos_o)?.cos_t as f32;
+        let eta = self.faces.eta(above);
         // Snell's law across, the cosine along: normalised once more in single precision
         let i = Vec3A::new(-o.x / eta, -o.y / eta, -cos_i.copysign(o.z)).normalize();
         Some((i, eta))
@@ -119,7 +156,7 @@ impl Matter for Dielectric {
             return None;
         }
         let cos_o = f64::from(o.z.abs());
-        let interface = self.side(o);
+        let interface = self.faces.side(o.z > 0.0);
         let reflection = Element::from(interface.reflection(cos_o));
         // in proportion to what the sensor sees of unpolarized light on either way
         let seen = at.sight.along(axis_s(Vec3A::Z, o), o);
@@ -147,7 +184,7 @@ impl Matter for Dielectric {
     ) -> (L::Response, f32) {
         let o = at.o;
         let axis = axis_s(Vec3A::Z, i);
-        let interface = self.side(i);
+        let interface = self.faces.side(i.z > 0.0);
         let cos_i = f64::from(i.z.abs());
         let response = if o.z * i.z > 0.0 {
             let element = Element::from(interface.reflection(cos_i));
@@ -156,11 +193,7 @@ impl Matter for Dielectric {
             })
         } else {
             // the light comes from the side of `i`: radiance counts by the squared index of its medium
-            let eta = if o.z > 0.0 {
-                self.eta
-            } else {
-                self.eta.recip()
-            };
+            let eta = self.faces.eta(o.z > 0.0);
             let element = interface.transmission(cos_i).map_or(Element::BLACK, |t| {
                 Element::from(t.element).scaled((eta * eta).recip())
             });

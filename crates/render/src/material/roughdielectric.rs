@@ -28,9 +28,8 @@
 //! Source: Walter et al., EGSR 2007, Eqs. 20, 21.
 
 use glam::Vec3A;
-use mueller16::DielectricInterface;
 
-use super::dielectric::read_index;
+use super::dielectric::Faces;
 use super::microfacet::Microfacets;
 use super::{Departure, Effect, Matter, Part, Vertex, axis_s, dark, mirror};
 use crate::coherence::Coherence;
@@ -41,24 +40,16 @@ use crate::spectrum::Spectrum;
 /// A rough dielectric surface.
 #[derive(Clone, Debug)]
 pub struct RoughDielectric {
-    /// Light that comes from the side of the normal.
-    outside: DielectricInterface,
-    /// Light that comes from the other side.
-    inside: DielectricInterface,
-    /// Index inside over index outside.
-    eta: f32,
+    faces: Faces,
     facets: Microfacets,
     reflectance: Spectrum,
     transmittance: Spectrum,
 }
 
 /// Reads `int_ior` and `ext_ior` of matter that needs two different media.
-pub(super) fn read_two_indices(
-    object: &Object,
-    default: &str,
-) -> Result<(DielectricInterface, DielectricInterface), SceneError> {
-    let inside = read_index(object, "int_ior", default)?;
-    let outside = read_index(object, "ext_ior", "air")?;
+pub(super) fn read_two_indices(object: &Object, default: &str) -> Result<Faces, SceneError> {
+    let faces = Faces::read(object, default)?;
+    let [outside, inside] = faces.indices();
     if inside == outside {
         return Err(object.error_at(
             "int_ior",
@@ -69,8 +60,7 @@ pub(super) fn read_two_indices(
             ),
         ));
     }
-    let interface = DielectricInterface::new(outside, inside).map_err(|e| object.error(e))?;
-    Ok((interface, interface.reversed()))
+    Ok(faces)
 }
 
 /// A facet that takes light from `i` to `o`, seen with `o` above the surface.
@@ -122,33 +112,18 @@ impl Facet {
 impl RoughDielectric {
     /// Reads its parameters.
     pub fn read(object: &Object) -> Result<Self, SceneError> {
-        let (outside, inside) = read_two_indices(object, "bk7")?;
         Ok(Self {
-            outside,
-            inside,
-            eta: (outside.n_transmitted() / outside.n_incident()) as f32,
+            faces: read_two_indices(object, "bk7")?,
             facets: Microfacets::read(object)?,
             reflectance: object.factor("specular_reflectance")?,
             transmittance: object.factor("specular_transmittance")?,
         })
     }
 
-    /// The interface for light on the side of a direction.
-    #[inline]
-    fn side(&self, up: bool) -> &DielectricInterface {
-        if up { &self.outside } else { &self.inside }
-    }
-
-    /// Index on the other side over that on the side of a direction.
-    #[inline]
-    fn eta(&self, up: bool) -> f32 {
-        if up { self.eta } else { self.eta.recip() }
-    }
-
     /// Reflected share of unpolarized light at a facet, the same from both sides.
     #[inline]
     fn reflected(&self, up: bool, o_h: f32) -> f32 {
-        self.side(up).reflection(f64::from(o_h)).mean as f32
+        self.faces.side(up).reflection(f64::from(o_h)).mean as f32
     }
 
     /// Density of [`Matter::sample`], `o` above the surface.
@@ -182,14 +157,14 @@ impl Matter for RoughDielectric {
         let (i, eta) = if reflects {
             (mirror(o, m), 1.0)
         } else {
-            let cos_i = self.side(up).transmission(f64::from(o_m))?.cos_t as f32;
-            let eta = self.eta(up);
+            let cos_i = self.faces.side(up).transmission(f64::from(o_m))?.cos_t as f32;
+            let eta = self.faces.eta(up);
             ((m * (o_m / eta - cos_i) - o / eta).normalize(), eta)
         };
         if (i.z > 0.0) != reflects {
             return None;
         }
-        let facet = Facet::between(o, i, self.eta(up))?;
+        let facet = Facet::between(o, i, self.faces.eta(up))?;
         let density = self.density(o, &facet, self.reflected(up, facet.o_h));
         Departure::continuous(if up { i } else { -i }, density, eta)
     }
@@ -208,7 +183,7 @@ impl Matter for RoughDielectric {
         if o.z <= 0.0 {
             return dark::<L>();
         }
-        let Some(facet) = Facet::between(o, i, self.eta(up)) else {
+        let Some(facet) = Facet::between(o, i, self.faces.eta(up)) else {
             return dark::<L>();
         };
         let h = facet.h;
@@ -216,13 +191,14 @@ impl Matter for RoughDielectric {
         let axis = axis_s(h, i);
         let density = self.density(o, &facet, self.reflected(up, facet.o_h));
         let response = if facet.reflects {
-            let element = Element::from(self.side(up).reflection(f64::from(facet.i_h)))
+            let element = Element::from(self.faces.side(up).reflection(f64::from(facet.i_h)))
                 .scaled(weight * facet.o_h);
             L::diattenuating_retarder(axis, |lane| {
                 element.scaled(self.reflectance.value(wavelengths[lane]))
             })
         } else {
             let element = self
+                .faces
                 .side(!up)
                 .transmission(f64::from(-facet.i_h))
                 .map_or(Element::BLACK, |t| Element::from(t.element))

@@ -132,7 +132,7 @@ fn inner_reflectance(surface: &DielectricInterface, facets: &Microfacets) -> f64
 
 /// Reads its parameters.
 pub fn read(object: &Object) -> Result<RoughlyCoated, SceneError> {
-    let (surface, _) = read_two_indices(object, "polypropylene")?;
+    let surface = *read_two_indices(object, "polypropylene")?.side(true);
     let facets = Microfacets::read(object)?;
     if !facets.is_isotropic() {
         return Err(object.error_at(

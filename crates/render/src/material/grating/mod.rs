@@ -52,9 +52,9 @@ mod shares;
 mod tests;
 
 use glam::{DVec3, Vec3A};
-use mueller16::DielectricInterface;
 
 use super::conductor::Metal;
+use super::dielectric::Faces;
 use super::{Departure, Effect, Matter, Part, Traits, Vertex, axis_s, dark};
 use crate::coherence::Coherence;
 use crate::light::{Element, Light};
@@ -85,12 +85,7 @@ struct Doubt {
 #[derive(Clone, Debug)]
 enum Boundary {
     Metal(Metal),
-    Glass {
-        /// Light that comes from the side of the normal.
-        outside: DielectricInterface,
-        /// Light that comes from the other side.
-        inside: DielectricInterface,
-    },
+    Glass(Faces),
 }
 
 impl Boundary {
@@ -98,7 +93,7 @@ impl Boundary {
     fn index(&self, above: bool) -> f64 {
         match self {
             Self::Metal(_) => 1.0,
-            Self::Glass { outside, inside } => if above { outside } else { inside }.n_incident(),
+            Self::Glass(faces) => faces.side(above).n_incident(),
         }
     }
 
@@ -128,8 +123,8 @@ impl Boundary {
         let cos = h.dot(i).abs().min(1.0);
         let element = match self {
             Self::Metal(metal) => metal.reflection(cos as f32, wavelength),
-            Self::Glass { outside, inside } => {
-                let interface = if i.z > 0.0 { outside } else { inside };
+            Self::Glass(faces) => {
+                let interface = faces.side(i.z > 0.0);
                 if i.z * o.z > 0.0 {
                     interface.reflection(cos).into()
                 } else {
@@ -144,7 +139,7 @@ impl Boundary {
 impl Grating {
     /// Whether light meets it from both sides by itself.
     pub fn is_two_sided(&self) -> bool {
-        matches!(self.boundary, Boundary::Glass { .. })
+        matches!(self.boundary, Boundary::Glass(_))
     }
 
     /// Whether the surface can be seen from a direction.

@@ -154,7 +154,7 @@ impl Grating {
             let other = usize::from(side * from.z < 0.0);
             self.visit(view, from, side, 1.0, |order| {
                 totals[other] += order.share;
-                if let Boundary::Glass { .. } = self.boundary
+                if let Boundary::Glass(_) = self.boundary
                     && let Some((_, m)) =
                         self.boundary.facet(from, order.direction, view.wavelength)
                 {
@@ -182,7 +182,7 @@ impl Grating {
     pub(super) fn importance(&self, view: &View, o: DVec3, order: &Order) -> f64 {
         match &self.boundary {
             Boundary::Metal(_) => order.share,
-            boundary @ Boundary::Glass { .. } => {
+            boundary @ Boundary::Glass(_) => {
                 let mut i = order.direction;
                 if !order.propagates() {
                     i = DVec3::new(i.x, i.y, LEAST_COSINE * order.side).normalize();

@@ -3,14 +3,14 @@
 use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
-use mueller16::{Blaze, DielectricInterface, Profile};
+use mueller16::{Blaze, Profile};
 
 use super::lines::{Across, Lines};
 use super::lobes::Lobes;
 use super::shares::Shares;
 use super::{Boundary, Doubt, Grating};
 use crate::material::conductor::Metal;
-use crate::material::dielectric::read_index;
+use crate::material::dielectric::{Faces, glass_parameter};
 use crate::scene::{Object, SceneError};
 
 /// Shortest wavelength for which shares are tabulated, metres; below they are computed each time.
@@ -188,27 +188,9 @@ fn read_lobes(object: &Object) -> Result<Lobes, SceneError> {
 }
 
 fn read_boundary(object: &Object) -> Result<Boundary, SceneError> {
-    let glass = ["int_ior", "ext_ior"]
-        .into_iter()
-        .find(|name| object.has(name));
-    let Some(glass) = glass else {
-        return Ok(Boundary::Metal(Metal::read(object)?));
-    };
-    if let Some(metal) = ["material", "eta", "k"]
-        .into_iter()
-        .find(|name| object.has(name))
-    {
-        return Err(object.error_at(
-            metal,
-            format!("both '{metal}' and '{glass}' are given, expected a metal or glass"),
-        ));
-    }
-    let inside = read_index(object, "int_ior", "bk7")?;
-    let outside = read_index(object, "ext_ior", "air")?;
-    let interface = |a, b| DielectricInterface::new(a, b).map_err(|e| object.error(e));
-    Ok(Boundary::Glass {
-        outside: interface(outside, inside)?,
-        inside: interface(inside, outside)?,
+    Ok(match glass_parameter(object)? {
+        None => Boundary::Metal(Metal::read(object)?),
+        Some(_) => Boundary::Glass(Faces::read(object, "bk7")?),
     })
 }
 

@@ -39,10 +39,9 @@ mod relief;
 mod tests;
 
 use glam::Vec3A;
-use mueller16::DielectricInterface;
 
 use super::conductor::Metal;
-use super::dielectric::read_index;
+use super::dielectric::{Faces, glass_parameter};
 use super::{Departure, Effect, Matter, Part, Traits, Vertex, axis_s, dark, mirror};
 use crate::coherence::Coherence;
 use crate::light::{Element, Light};
@@ -72,21 +71,9 @@ enum Facet {
 
 #[derive(Clone, Debug)]
 struct Glass {
-    /// Light from the side of the normal.
-    outside: DielectricInterface,
-    inside: DielectricInterface,
+    faces: Faces,
     reflectance: Spectrum,
     transmittance: Spectrum,
-}
-
-impl Glass {
-    fn side(&self, direction: Vec3A) -> &DielectricInterface {
-        if direction.z > 0.0 {
-            &self.outside
-        } else {
-            &self.inside
-        }
-    }
 }
 
 /// Draws yes with a probability; `u` is uniform before and after.
@@ -111,7 +98,7 @@ impl RoughSurface {
     /// Reads its parameters.
     pub fn read(object: &Object) -> Result<Self, SceneError> {
         let heights = Heights::read(object)?;
-        let Some(glass) = ["int_ior", "ext_ior"].into_iter().find(|n| object.has(n)) else {
+        let Some(parameter) = glass_parameter(object)? else {
             let media = Media {
                 n_i: 1.0,
                 n_o: 1.0,
@@ -123,24 +110,16 @@ impl RoughSurface {
                 cap: Cap::new(vec![vec![media]]),
             });
         };
-        if let Some(metal) = ["material", "eta", "k"].into_iter().find(|n| object.has(n)) {
-            return Err(object.error_at(
-                metal,
-                format!("both '{metal}' and '{glass}' are given, expected a metal or a dielectric"),
-            ));
-        }
-        let inside = read_index(object, "int_ior", "bk7")?;
-        let outside = read_index(object, "ext_ior", "air")?;
+        let faces = Faces::read(object, "bk7")?;
+        let [outside, inside] = faces.indices();
         if (inside - outside).abs() < 1e-6 * inside {
             return Err(object.error_at(
-                glass,
+                parameter,
                 format!("an index of {inside} on both sides, expected two different ones; 'null' is no surface"),
             ));
         }
-        let interface = |a, b| DielectricInterface::new(a, b).map_err(|e| object.error(e));
         let glass = Glass {
-            outside: interface(outside, inside)?,
-            inside: interface(inside, outside)?,
+            faces,
             reflectance: object.factor("specular_reflectance")?,
             transmittance: object.factor("specular_transmittance")?,
         };
@@ -176,7 +155,7 @@ impl RoughSurface {
         match &self.facet {
             Facet::Metal(_) => [Some(media(1.0, 1.0, false)), None],
             Facet::Glass(glass) => {
-                let face = glass.side(o);
+                let face = glass.faces.side(o.z > 0.0);
                 let [n_o, n_i] = [face.n_incident() as f32, face.n_transmitted() as f32];
                 [Some(media(n_o, n_o, false)), Some(media(n_i, n_o, true))]
             }
@@ -190,7 +169,11 @@ impl RoughSurface {
         let [reflected, least] = match &self.facet {
             Facet::Metal(_) => [1.0, 0.0],
             Facet::Glass(glass) => [
-                glass.side(o).reflection(f64::from(cos.min(1.0))).mean as f32,
+                glass
+                    .faces
+                    .side(o.z > 0.0)
+                    .reflection(f64::from(cos.min(1.0)))
+                    .mean as f32,
                 LEAST_LOBE,
             ],
         };
@@ -227,11 +210,7 @@ impl RoughSurface {
         match &self.facet {
             Facet::Metal(_) => 1.0,
             Facet::Glass(glass) => {
-                let face = if side == 0 {
-                    &glass.outside
-                } else {
-                    &glass.inside
-                };
+                let face = glass.faces.side(side == 0);
                 let reflected = face.reflection(f64::from(cos)).mean as f32;
                 if media.transmitted {
                     1.0 - reflected
@@ -248,7 +227,7 @@ impl RoughSurface {
         match &self.facet {
             Facet::Metal(metal) => metal.reflection(cos, wavelength),
             Facet::Glass(glass) => {
-                let (face, cos) = (glass.side(i), f64::from(cos));
+                let (face, cos) = (glass.faces.side(i.z > 0.0), f64::from(cos));
                 if transmitted {
                     face.transmission(cos).map_or(Element::BLACK, |t| {
                         Element::from(t.element).scaled(glass.transmittance.value(wavelength))

@@ -419,7 +419,7 @@ fn what_cannot_be_a_surface_is_refused_where_it_stands() {
         at(
             "<string name='height' value='3nm'/><string name='length' value='5um'/>\n<float name='int_ior' value='1.5'/><float name='k' value='2'/>"
         ),
-        "scene.xml:4:36: both 'k' and 'int_ior' are given, expected a metal or a dielectric"
+        "scene.xml:4:36: both 'k' and 'int_ior' are given, expected a metal or glass"
     );
     assert_eq!(
         at(
