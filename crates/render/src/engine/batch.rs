@@ -1,10 +1,11 @@
 //! One thread at work on paths side by side: camera samples of the pixels of a tile, some hundred at a time.
 
 use std::marker::PhantomData;
+use std::ops::Range;
 
 use super::Job;
 use super::spread::{Goal, Goals};
-use super::worker::{PER_SAMPLE, Taken, listen, pixel_number};
+use super::worker::{PER_SAMPLE, Taken, go_on, listen, pixel_number};
 use crate::colour::sample_wavelength;
 use crate::film::{Colours, SampleSums, SpectralMode, TileSums};
 use crate::filter::FilterSampler;
@@ -114,8 +115,7 @@ impl Batch {
 struct Unfinished {
     pixel: (u32, u32),
     goal: Goal,
-    next: u64,
-    end: u64,
+    samples: Range<u64>,
 }
 
 /// Brings every pixel of a tile nearer to its goal, by at most `most` samples.
@@ -164,22 +164,17 @@ impl<L: Abreast> Pass<'_, L> {
             let mut work = match unfinished.take() {
                 Some(work) => work,
                 None => {
-                    let Some((x, y)) = pixels.next() else {
+                    let Some(pixel) = pixels.next() else {
                         break;
                     };
-                    let (next, goal) = (self.tile.taken(x, y), self.goals.of(x, y));
-                    let end = goal.end.min(next.saturating_add(self.most));
-                    if next >= end {
+                    let work = go_on(self.tile, (self.goals, self.most), pixel, taken);
+                    let Some((goal, samples)) = work else {
                         continue;
-                    }
-                    taken.samples += end - next;
-                    taken.open += u64::from(end < goal.end);
-                    self.tile.go_on(x, y, goal.first, goal.block);
+                    };
                     Unfinished {
-                        pixel: (x, y),
+                        pixel,
                         goal,
-                        next,
-                        end,
+                        samples,
                     }
                 }
             };
@@ -188,18 +183,19 @@ impl<L: Abreast> Pass<'_, L> {
                 break;
             }
             let (x, y) = work.pixel;
-            let some = (work.end - work.next).min((COLUMNS - count) as u64) as usize;
+            let left = work.samples.end - work.samples.start;
+            let some = left.min((COLUMNS - count) as u64) as usize;
             let run = Run {
                 pixel: [x, y],
-                first: work.next,
+                first: work.samples.start,
                 count: some,
                 block_start: work.goal.first,
                 last: work.goal.block - 1,
             };
             self.batch.append(self.job, count, run);
             count += some;
-            work.next += some as u64;
-            if work.next < work.end {
+            work.samples.start += some as u64;
+            if !work.samples.is_empty() {
                 *unfinished = Some(work);
             }
         }

@@ -6,7 +6,7 @@ use std::sync::Mutex;
 
 use super::Job;
 use super::batch::{Batch, Pass};
-use super::spread::Goals;
+use super::spread::{Goal, Goals};
 use crate::colour::{rgb_weights, sample_wavelength};
 use crate::film::{Colours, FilmGeometry, SampleColours, SampleSums, SpectralMode, TileSums};
 use crate::filter::FilterSampler;
@@ -212,6 +212,24 @@ fn stream_of(sample: u64, place: u64, last: u64) -> impl Fn(PixelStream) -> Samp
     }
 }
 
+/// Goes on with the run of a pixel, by at most `most` samples: its goal, and the samples to take. `None` at the goal.
+pub(super) fn go_on(
+    tile: &mut TileSums,
+    (goals, most): (&Goals, u64),
+    (x, y): (u32, u32),
+    taken: &mut Taken,
+) -> Option<(Goal, Range<u64>)> {
+    let (next, goal) = (tile.taken(x, y), goals.of(x, y));
+    let end = goal.end.min(next.saturating_add(most));
+    if next >= end {
+        return None;
+    }
+    taken.samples += end - next;
+    taken.open += u64::from(end < goal.end);
+    tile.go_on(x, y, goal.first, goal.block);
+    Some((goal, next..end))
+}
+
 impl<'a, L: Light> Worker<'a, L> {
     fn new(job: &'a Job, filter: &'a FilterSampler) -> Self {
         Self {
@@ -227,19 +245,15 @@ impl<'a, L: Light> Worker<'a, L> {
         let mut colours = Colours::new(self.job.mode.colours(), 1);
         let mut open = SampleSums::new(self.job.mode.colours());
         for (x, y) in tile.pixels() {
-            let (taken, goal) = (tile.taken(x, y), goals.of(x, y));
-            let end = goal.end.min(taken.saturating_add(most));
-            if taken >= end {
+            let work = go_on(tile, (goals, most), (x, y), &mut self.taken);
+            let Some((goal, samples)) = work else {
                 continue;
-            }
-            self.taken.samples += end - taken;
-            self.taken.open += u64::from(end < goal.end);
-            tile.go_on(x, y, goal.first, goal.block);
+            };
             tile.open(x, y, &mut open);
             let pixel = Pixel::new(self.job, x, y);
             // a power of two
             let last = goal.block - 1;
-            for sample in taken..end {
+            for sample in samples.clone() {
                 let place = (sample - goal.first) & last;
                 let stream = stream_of(sample, place, last);
                 colours.clear(1);
@@ -254,7 +268,7 @@ impl<'a, L: Light> Worker<'a, L> {
                     tile.close(x, y, &mut open);
                 }
             }
-            tile.keep(x, y, &open, end);
+            tile.keep(x, y, &open, samples.end);
         }
         self.taken
     }
