@@ -152,6 +152,22 @@ mod tests {
     use crate::material::testing::material_of;
 
     #[test]
+    fn matter_is_specular_or_black_only_on_both_sides() {
+        const MIRROR: &str = "<bsdf type='conductor'/>";
+        const BLACK: &str = "<bsdf type='diffuse'><float name='reflectance' value='0'/></bsdf>";
+        for (front, back, discrete, black) in [
+            (MIRROR, MIRROR, true, false),
+            (MIRROR, BLACK, false, false),
+            (BLACK, MIRROR, false, false),
+            (BLACK, BLACK, false, true),
+        ] {
+            let matter = material_of(&format!("<bsdf type='twosided'>{front}{back}</bsdf>"));
+            let traits = matter.unwrap().traits();
+            assert_eq!((traits.discrete, traits.black), (discrete, black));
+        }
+    }
+
+    #[test]
     fn what_either_side_leaves_out_is_said() {
         const ROUGH: &str = "<bsdf type='roughsurface'><string name='material' value='Al'/>\
             <string name='height' value='1um'/><string name='length' value='10um'/></bsdf>";
