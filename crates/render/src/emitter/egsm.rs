@@ -336,7 +336,7 @@ mod tests {
 
     #[test]
     fn patches_are_a_quarter_of_the_cone_of_every_wavelength() {
-        let text = "<scene version='3.0.0'><shape type='disk'><emitter type='egsm'>
+        let text = "<scene version='3.0.0'><sensor type='perspective'/><shape type='disk'><emitter type='egsm'>
             <string name='sigma' value='2mm'/><string name='delta_xx' value='1um'/></emitter></shape></scene>";
         let document = read_text(text, "test.xml".as_ref(), &[]).unwrap();
         let mut scene = build(&document, Overrides::default()).unwrap().scene;
