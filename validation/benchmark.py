@@ -6,15 +6,15 @@
     validation/.venv/bin/python validation/benchmark.py --quick
 
 Parts: error (with --scenes, --budgets, --film), polarization, threads, triangles, lamps,
-wavelengths.  Each writes its CSV files to docs/benchmark (or -o DIR/benchmark), and every call
-composes docs/benchmark.md of all that are there; `report` only composes.  --quick measures little,
-writes nothing, and checks that errors fall as they must and have the size that variances say.
+wavelengths.  If no --scenes are named, error takes six and a coloured one, polarization all that
+are bundled, threads and --quick the six.  Each part writes its CSV files to docs/benchmark (or
+-o DIR/benchmark), and every call composes docs/benchmark.md of all that are there; `report` only
+composes.  --quick measures little, writes nothing, and checks that errors fall as they must and
+have the size that variances say.
 Measure on a quiet machine: ratios come from turns taken and hold on a busy one too, times do not.
 """
 
 import argparse
-import datetime
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -24,13 +24,11 @@ import benchmark_quick
 import benchmark_scaling
 import benchmark_tables as tables
 import mitsuba_peer
+import origin
 from benchmark_compose import compose
-from benchmark_runs import machine
+from benchmark_scenes import COLOURED, SIX
 from common import ROOT, SCENES, arguments, binary, give_up, skip
 
-SIX = [
-    "fresnel_sphere", "furnace_sphere", "cornell", "polarizer_stack", "rough_conductor", "big_mesh",
-]  # fmt: skip
 PARTS = ["error", "polarization", "threads", "triangles", "lamps", "wavelengths"]
 BUDGETS = "1,4,16,64,256"
 
@@ -39,7 +37,7 @@ def parser() -> argparse.ArgumentParser:
     """Return the command line."""
     words = arguments(__doc__)
     words.add_argument("parts", nargs="*", metavar="PART", help="(default: all of them)")
-    words.add_argument("--scenes", default=",".join(SIX), help="names with commas")
+    words.add_argument("--scenes", help="names with commas (default: those of each part)")
     words.add_argument("--budgets", default=BUDGETS, help=f"samples a pixel ({BUDGETS})")
     words.add_argument("--film", metavar="WxH", help="size for errors (default: each scene's)")
     words.add_argument("--turns", type=int, default=5, help="repetitions (default 5)")
@@ -62,14 +60,25 @@ def checked(words: argparse.ArgumentParser) -> argparse.Namespace:
         words.error(f"--budgets: expected numbers with commas, found '{args.budgets}'")
     if args.budgets[0] < 1 or args.turns < 1:
         words.error("budgets and turns must be at least 1")
-    args.scenes = args.scenes.split(",")
-    known = sorted(path.parent.name for path in SCENES.glob("*/scene.xml"))
+    args.scenes = args.scenes.split(",") if args.scenes else []
+    known = bundled()
     if unknown := set(args.scenes) - set(known):
         words.error(f"no scene {', '.join(sorted(unknown))}, expected of {', '.join(known)}")
     return args
 
 
-def origin(part: str) -> str:
+def bundled() -> list[str]:
+    """Return the names of all scenes of the repository."""
+    return sorted(path.parent.name for path in SCENES.glob("*/scene.xml"))
+
+
+def scenes_of(part: str, args: argparse.Namespace) -> list[str]:
+    """Return the scenes that a part renders."""
+    usual = {"error": [*SIX, *COLOURED], "polarization": bundled()}
+    return args.scenes or usual.get(part, SIX)
+
+
+def made_by(part: str) -> str:
     """Return what goes on top of a CSV: command, version, time, machine, load."""
     words = list(sys.argv[1:])
     # places of this machine say nothing elsewhere
@@ -78,17 +87,16 @@ def origin(part: str) -> str:
             words[i + 1] = {"--python": "PYTHON", "-o": "DIR"}[word]
     command = f"validation/benchmark.py {' '.join(words)}".strip()
     version = subprocess.run([binary(), "--version"], text=True, stdout=subprocess.PIPE).stdout
-    now = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC")
-    load = f"{os.getloadavg()[0]:.1f}"
-    return f"{command} ({part}); {version.strip()}; {now}; {machine()}; load average {load}"
+    return f"{command} ({part}); {origin.made(version.strip())}"
 
 
 def measure(part: str, args: argparse.Namespace, folder: Path, peer: str | None) -> None:
     """Measure one part and write its files."""
-    made = origin(part)
+    made = made_by(part)
+    scenes = scenes_of(part, args)
     if part == "error":
         plan = benchmark_error.Plan(
-            args.scenes, args.budgets, args.turns, args.film, args.reference_spp, peer
+            scenes, args.budgets, args.turns, args.film, args.reference_spp, peer
         )
         found = benchmark_error.measure(plan)
         notes = [f"; {note}" for note in found.notes]
@@ -100,15 +108,15 @@ def measure(part: str, args: argparse.Namespace, folder: Path, peer: str | None)
         }
         made += "".join(notes)
     elif part == "polarization":
-        files = {part: benchmark_scaling.polarization(args.scenes, args.turns)}
+        files = {part: benchmark_scaling.polarization(scenes, args.turns)}
     elif part == "threads":
-        files = {part: benchmark_scaling.threads(args.scenes, min(args.turns, 3))}
+        files = {part: benchmark_scaling.threads(scenes, args.turns)}
     elif part == "triangles":
-        files = {part: benchmark_scaling.triangles(min(args.turns, 3), args.largest)}
+        files = {part: benchmark_scaling.triangles(args.turns, args.largest)}
     elif part == "lamps":
         files = {part: benchmark_scaling.lamps(args.turns)}
     else:
-        files = {part: benchmark_scaling.wavelengths(min(args.turns, 3))}
+        files = {part: benchmark_scaling.wavelengths(args.turns)}
     for name, rows in files.items():
         if rows:
             tables.write(folder / f"{name}.csv", made, rows)
@@ -119,13 +127,14 @@ def measure(part: str, args: argparse.Namespace, folder: Path, peer: str | None)
 def main() -> int:
     """Measure what is asked for, and compose the report."""
     args = checked(parser())
-    if "big_mesh" in args.scenes:
+    parts = ["quick"] if args.quick else args.parts or PARTS
+    rendered = {scene for part in parts if part != "report" for scene in scenes_of(part, args)}
+    if "big_mesh" in rendered:
         made = subprocess.run([sys.executable, str(SCENES / "make_meshes.py")], check=False)
         if made.returncode != 0:
             give_up("scenes/make_meshes.py could not write the mesh of big_mesh")
     if args.quick:
-        return benchmark_quick.check(args.scenes)
-    parts = args.parts or PARTS
+        return benchmark_quick.check(scenes_of("quick", args))
     beside = "error" in parts and mitsuba_peer.installed(args.python)
     if "error" in parts and not beside:
         if args.require:

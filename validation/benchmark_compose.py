@@ -17,6 +17,14 @@ All of it:
 
     validation/.venv/bin/python validation/benchmark.py --python ~/mitsuba/bin/python
 """
+SUMMARY = """
+Mitsuba's CPU seconds over Brewster's, and Brewster's paths per core-second over Mitsuba's: above 1
+Brewster is faster. Over components a scene with four weighs more than one with three; over scenes
+each counts once. The six scenes are grey: in `--rgb` Brewster then follows one wavelength and skips
+the others ([how](skipping.md)), while Mitsuba follows four. The means of six over all wavelengths
+so measure what skipping saves, not transport over a spectrum; `cornell_spectral`, whose walls and
+metal are coloured, measures that, in lines of its own.
+"""
 ERROR = f"""
 Each scene at its own film's size, or at the size that the command names. Brewster renders it twice:
 with the same number of samples in every pixel, and with as many on the mean where the noise is
@@ -29,6 +37,11 @@ to numpy), without loading, compiling and writing. CPU seconds to {TARGET:.0%} a
 largest budget × (RMSE/target)², target {TARGET} of mean S0. Components that vanish in both are
 left out. Ratio: Mitsuba's seconds over Brewster's, above 1 Brewster is faster. Rare bright paths
 make S0 of some scenes heavy-tailed, so that the ratio of the turns' medians stands beside it.
+
+Six scenes are grey, so that in `--rgb` all wavelengths but one are skipped: their second table is
+about skipping. `cornell_spectral` is coloured, and has a line in the second table alone: Mitsuba's
+mono variants make one number of a spectrum, Brewster takes it at one wavelength. Means over
+components are those of the six, then of all seven; the tables by scene count every scene once.
 """
 SPEED = """
 10⁶ a core-second at 256×256, 16 samples a pixel, the best of the turns. Paths are camera samples.
@@ -39,9 +52,10 @@ small image). Mitsuba: loading, and compiling with an empty cache of kernels (a 
 beyond a second one).
 """
 POLARIZATION = """
-CPU time of sampling with polarization over that of `--unpolarized`, at 256×256, 16 samples a
-pixel. `matte box` is the Cornell box with white plaster in place of metal and glass: nothing
-polarizes there.
+CPU time of sampling with polarization over that of `--unpolarized`, of all bundled scenes at
+256×256, with 1 to 16 samples a pixel as half a second allows, the two taking turns: at one
+wavelength, in `--rgb` and in four bands (`--bands 400:700:4`). `matte box` is the Cornell box with
+white plaster in place of metal and glass: nothing polarizes there.
 """
 THREADS = """
 One process with a thread a core against one process of one thread a core, all at once, 256 samples
@@ -90,6 +104,9 @@ def compose(folder: Path) -> str:
     made, error = tables.read(folder / "error.csv")
     if error:
         _, scatter = tables.read(folder / "scatter.csv")
+        _, rates = tables.read(folder / "rates.csv")
+        if means := report.summary(error, scatter, rates):
+            text += section("In short", SUMMARY, made, means)
         pictures = [f"![{scene}](benchmark/{scene}.png)\n" for scene in draw(error, folder)]
         modes = [report.equal_error(error, scatter, mode) for mode in report.TITLES]
         text += section("Time to equal error", ERROR, made, *modes, *pictures)

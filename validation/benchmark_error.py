@@ -1,11 +1,13 @@
 """Measures error against CPU time over a ladder of budgets, ours and Mitsuba's taking turns.
 
 A mode is one wavelength (`mono`) or all of them (`spectral`: `--rgb` here, its luminance over that
-of the unit spectrum, and llvm_ad_spectral_polarized there).  A program is Brewster, Brewster with
-its samples where the noise is (`--adaptive`), or Mitsuba.  One turn renders every budget once in
-each mode and program, with seeds of its own, and a pass of PASS samples at SIZE for the paths per
-core-second.  Errors are those of the film's own size, where the repository holds references; of
-other sizes and scenes the reference is a long rendering of Brewster's, kept in target/benchmark.
+of the unit spectrum, and llvm_ad_spectral_polarized there).  Coloured scenes have the second alone:
+Mitsuba's mono variants make one number of a spectrum, ours takes it at one wavelength.  A program
+is Brewster, Brewster with its samples where the noise is (`--adaptive`), or Mitsuba.  One turn
+renders every budget once in each mode and program, with seeds of its own, and a pass of PASS
+samples at SIZE for the paths per core-second.  Errors are those of the film's own size, where the
+repository holds references; of other sizes and scenes the reference is a long rendering of
+Brewster's, kept in target/benchmark.
 """
 
 import hashlib
@@ -22,6 +24,7 @@ from typing import Any
 import mitsuba_peer
 import numpy as np
 from benchmark_runs import Run, alone
+from benchmark_scenes import COLOURED
 from benchmark_stats import COMPONENTS, Reference, mean_square, scatter
 from common import REFERENCES, ROOT, SCENES, Array, read
 from mitsuba_figures import LUMINANCE, UNIT_LUMINANCE
@@ -62,6 +65,11 @@ class Measured:
     rates: list[Row] = field(default_factory=list)
     start: list[Row] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+
+
+def modes_of(name: str) -> list[str]:
+    """Return the modes in which a scene means the same in both programs."""
+    return [mode for mode in MODES if mode != "mono" or name not in COLOURED]
 
 
 def stokes(path: Path) -> Array:
@@ -147,7 +155,7 @@ class Scene:
     def __init__(self, name: str, plan: Plan, to: Measured) -> None:
         """Find the references."""
         self.name, self.plan, self.to = name, plan, to
-        self.references = {mode: reference(name, mode, plan) for mode in MODES}
+        self.references = {mode: reference(name, mode, plan) for mode in modes_of(name)}
         self.largest: dict[tuple[str, str], list[Array]] = {}
 
     def note(
@@ -221,7 +229,7 @@ def measure(plan: Plan) -> Measured:
             scene = Scene(name, plan, to)
             for turn in range(plan.turns):
                 print(f"{name}: turn {turn + 1} of {plan.turns}", flush=True)
-                order = [(mode, peer) for mode in MODES for peer in (False, True)]
+                order = [(mode, peer) for mode in modes_of(name) for peer in (False, True)]
                 for mode, peer in order[:: -1 if turn % 2 else 1]:
                     if not peer:
                         scene.our_turn(mode, turn)

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from statistics import median
 
 from benchmark_scaling import memory_of_a_triangle
+from benchmark_stats import geometric_mean
 from benchmark_tables import column, digits, groups, markdown
 
 Rows = list[dict[str, str]]
@@ -12,17 +13,27 @@ MEGA = 1e6
 
 def polarization(rows: Rows) -> str:
     """Return polarized over unpolarized time: the median over turns."""
-    table = []
-    for (scene,), turns in groups(rows, "scene").items():
-        ratio = [
-            a / b
-            for a, b in zip(column(turns, "cpu_s"), column(turns, "unpolarized_cpu_s"), strict=True)
-        ]
-        least = [min(column(turns, name)) for name in ("cpu_s", "unpolarized_cpu_s")]
-        paths = float(turns[0]["paths"])
-        cells = [digits(paths / cpu / MEGA) for cpu in least]
-        table.append([scene, *cells, f"{median(ratio):.3f}", f"{least[0] / least[1]:.3f}"])
-    head = ["scene", "10⁶ paths per core-second", "unpolarized", "cost, median", "of the best"]
+    table: list[list[str]] = []
+    found: dict[str, list[float]] = {}
+    modes = list(dict.fromkeys(row["mode"] for row in rows))
+    for (scene,), of_scene in groups(rows, "scene").items():
+        cells = [scene]
+        for (mode,), turns in groups(of_scene, "mode").items():
+            both = [column(turns, name) for name in ("cpu_s", "unpolarized_cpu_s")]
+            if mode == modes[0]:
+                cells += [digits(float(turns[0]["paths"]) / min(cpu) / MEGA) for cpu in both]
+            cost = median(a / b for a, b in zip(*both, strict=True))
+            found.setdefault(mode, []).append(cost)
+            cells += [f"{cost:.3f}", f"{min(both[0]) / min(both[1]):.3f}"]
+        table.append(cells)
+    for what, of in (("**geometric mean**", geometric_mean), ("**largest**", max)):
+        cells = [what, "", ""]
+        for mode in modes:
+            cells += [f"**{of(found[mode]):.3f}**", ""]
+        table.append(cells)
+    head = ["scene", "10⁶ paths per core-second", "unpolarized"]
+    for mode in modes:
+        head += [f"{mode if mode[0] != '-' else f'`{mode}`'}: cost, median", "of the best"]
     return markdown(head, table)
 
 

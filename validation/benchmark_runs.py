@@ -1,8 +1,6 @@
 """Runs of Brewster for the benchmark: with what the system counted, alone or side by side."""
 
 import json
-import os
-import platform
 import subprocess
 import time
 from dataclasses import dataclass
@@ -89,17 +87,3 @@ def side_by_side(count: int, scene: Path, folder: Path, *options: str) -> list[R
             for seed in range(1, count + 1)
         ],
     )
-
-
-def machine() -> str:
-    """Return the processor, its cores and the memory in one line."""
-    model = platform.processor() or platform.machine()
-    information = Path("/proc/cpuinfo")
-    if information.exists():
-        lines = information.read_text().splitlines()
-        names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-        family = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model\t")]
-        model = names[0] if names else model
-        model += f" (model {family[0]})" if family else ""
-    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
-    return f"{model}, {os.cpu_count()} cores, {memory:.0f} GiB, {platform.system()}"

@@ -7,6 +7,7 @@ threads where nothing else is said.
 import os
 import tempfile
 from collections.abc import Callable
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -17,15 +18,18 @@ from benchmark_stats import TARGET
 from common import SCENES
 
 Row = dict[str, Any]
-SIZE = ["--size", "256x256"]
+SIZE, PIXELS = ["--size", "256x256"], 256 * 256
 TRIANGLES = [2_000, 20_000, 200_000, 2_000_000]
 LAMPS = [1, 3, 10, 30, 100, 300, 1000]
 BANDS = [1, 2, 4, 8, 16, 32, 64]
 # measured over bands: plain numbers, and matter whose indices follow the wavelength
-COLOURED = ["rough_conductor", "cornell_spectral"]
+BANDED = ["rough_conductor", "cornell_spectral"]
 # samples a pixel; of threads more, since renderings of a twentieth of a second do not tell
 SPP = 16
 THREADS_SPP = 256
+# what polarization costs is measured of each, where scenes differ, in about so many CPU seconds
+RANGES = {"one wavelength": [], "--rgb": ["--rgb"], "--bands": ["--bands", "400:700:4"]}
+ENOUGH_S = 0.5
 
 
 def polarization(scenes: list[str], turns: int) -> list[Row]:
@@ -35,14 +39,24 @@ def polarization(scenes: list[str], turns: int) -> list[Row]:
         folder = Path(name)
         files = {scene: SCENES / scene / "scene.xml" for scene in scenes}
         files["matte box"] = matte_box(folder)
-        for scene, file in files.items():
+        for (scene, file), (mode, of_mode) in product(files.items(), RANGES.items()):
+            spp = samples(file, folder, of_mode)
+            print(f"{scene}, {mode}: {spp} samples", flush=True)
             for turn in range(turns):
-                options = [*SIZE, "--spp", str(SPP), "--seed", str(turn)]
-                pair = [alone(file, folder, *options, *kind) for kind in ([], ["--unpolarized"])]
-                row = {"scene": scene, "turn": turn, "paths": pair[0].told["paths"]}
-                row |= {"cpu_s": pair[0].cpu(), "unpolarized_cpu_s": pair[1].cpu()}
+                options = [*SIZE, *of_mode, "--spp", str(spp), "--seed", str(turn)]
+                kinds = ([], ["--unpolarized"])[:: -1 if turn % 2 else 1]
+                cpu = {len(kind): alone(file, folder, *options, *kind) for kind in kinds}
+                row = {"scene": scene, "mode": mode, "turn": turn, "paths": cpu[0].told["paths"]}
+                row |= {"cpu_s": cpu[0].cpu(), "unpolarized_cpu_s": cpu[1].cpu()}
                 rows.append(row)
     return rows
+
+
+def samples(file: Path, folder: Path, options: list[str]) -> int:
+    """Return a power of two of samples a pixel that takes about `ENOUGH_S`, at most `SPP`."""
+    trial = alone(file, folder, *options, "--size", "64x64", "--spp", "4")
+    wanted = ENOUGH_S * trial.per_core_second() / PIXELS
+    return int(np.clip(2 ** np.floor(np.log2(wanted)), 1, SPP))
 
 
 def threads(scenes: list[str], turns: int) -> list[Row]:
@@ -114,7 +128,7 @@ def lamps(turns: int) -> list[Row]:
 def wavelengths(turns: int) -> list[Row]:
     """Time one band and more, of two scenes."""
     rows = []
-    for name in COLOURED:
+    for name in BANDED:
 
         def case(_: Path, count: int, name: str = name) -> tuple[Path, Row, list[str]]:
             bands = ["--bands", f"400:700:{count}"]

@@ -1,10 +1,16 @@
-"""Scenes that grow for the benchmark: triangles, lamps; and a box without polarizing matter."""
+"""The benchmark's scenes: bundled ones, those that grow, and a box without polarizing matter."""
 
 from pathlib import Path
 
 import numpy as np
 from common import SCENES
 
+# the six of the table beside Mitsuba: grey, so that one wavelength stands for all
+SIX = [
+    "fresnel_sphere", "furnace_sphere", "cornell", "polarizer_stack", "rough_conductor", "big_mesh",
+]  # fmt: skip
+# whose light and matter follow the wavelength, and which Mitsuba renders too
+COLOURED = ["cornell_spectral"]
 HEAD = """<scene version="3.0.0">
 <integrator type="path">
     <integer name="max_depth" value="5"/><integer name="rr_depth" value="1000"/>
