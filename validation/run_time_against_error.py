@@ -4,7 +4,9 @@
     python3 validation/run_time_against_error.py [-o DIR]
 
 Runs the examples `run_time_against_error` of crate `stokes` and `interaction_run_time` of crate
-`mueller16` (release build) and writes a .csv and a .png of each name to docs/, or to DIR.
+`mueller16` (release build) and writes a .csv, whose first line says when and where, and a .png of
+each name to docs/, or to DIR.  Into docs/ means: the tables that the crates' pages quote are
+written anew too, and `benchmark.py report` afterwards puts tables of it into docs/benchmark.md.
 `--csv FILE` draws an earlier CSV of the first instead of measuring, `--interaction-csv FILE` one of
 the second.  Needs what run.py needs and uses its virtual environment.  Measure on a quiet machine:
 the figures are medians of rounds in which the contestants take turns, so that ratios hold on a busy
@@ -17,9 +19,11 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
+import origin
 import run
 
 if TYPE_CHECKING:
@@ -161,6 +165,11 @@ def draw(rows: list[Row], png: Path) -> None:
     figure.savefig(png, dpi=110)
 
 
+def whole_error(row: Row) -> float:
+    """Return truncation and rounding of the interaction together."""
+    return float(row["truncation"]) + float(row["rounding"] or 0)
+
+
 def draw_interaction(rows: list[Row], png: Path) -> None:
     """Draw time against error of the interaction, and what is gained by what is absent."""
     import matplotlib
@@ -169,28 +178,32 @@ def draw_interaction(rows: list[Row], png: Path) -> None:
     from matplotlib import pyplot
 
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(13, 5.6), layout="constrained")
-    # one colour a roughness: filled where the Gaussians are chosen, hollow where powers are summed
+    # one colour a roughness: filled where the Gaussians are chosen, hollow where powers are summed;
+    # one a series too, crosses in f32
     colours: dict[str, object] = {}
     for part, style, marker in (
         ("order", "-", "o"), ("rough", ":", "s"), ("heights", "--", "D"), ("grating", "-.", "^"),
     ):  # fmt: skip
-        drawn = [r for r in rows if r["part"] == part and r["error"] and r["number"] == "f64"]
+        drawn = [r for r in rows if r["part"] == part and r["truncation"]]
         for name in dict.fromkeys(r["name"] for r in drawn):
-            line = [r for r in drawn if r["name"] == name and float(r["error"]) > 0]
+            line = [r for r in drawn if r["name"] == name and whole_error(r) > 0]
+            single = "f32" in {r["number"] for r in line}
+            of_series = name.replace(" in f32", "")
             # the last row of a rough surface is the limit of great roughness, no sum
             if part == "rough":
                 line = line[:-1]
             (curve,) = left.plot(
-                [float(r["error"]) for r in line], [float(r["least_ns"]) for r in line],
-                linestyle=style, marker=marker, markersize=4, color=colours.get(name),
+                [whole_error(r) for r in line], [float(r["least_ns"]) for r in line],
+                linestyle=":" if single else style, marker="x" if single else marker,
+                markersize=4, color=colours.get(of_series),
                 markerfacecolor="none" if part == "rough" else None,
                 label=f"{PARTS[part]}: {name}",
             )  # fmt: skip
-            colours[name] = curve.get_color()
+            colours[of_series] = curve.get_color()
     left.set_xscale("log")
     left.set_yscale("log")
     left.invert_xaxis()
-    left.set_xlabel("largest error / largest value of the lobe")
+    left.set_xlabel("largest error / largest value of the lobe (truncation + rounding)")
     left.set_ylabel("time of a transfer, ns (least over rounds)")
     left.legend(fontsize=6, ncols=2, loc="upper center")
     left.set_ylim(top=4e5)
@@ -209,11 +222,65 @@ def draw_interaction(rows: list[Row], png: Path) -> None:
     figure.savefig(png, dpi=110)
 
 
+def stamp(table: Path, made: str) -> None:
+    """Add when and where it was measured to the first line of a CSV."""
+    first, _, rest = table.read_text(encoding="utf-8").partition("\n")
+    table.write_text(f"{first}; {made}\n{rest}", encoding="utf-8")
+
+
+def short(value: float) -> str:
+    """Return two digits, whole numbers from ten on; the crates' tests ask for as many."""
+    if value >= 9.95:
+        return f"{value:.0f}"
+    if value >= 1e-3:
+        return f"{value:#.2g}"
+    mantissa, _, exponent = f"{value:.1e}".partition("e")
+    return f"{mantissa}e{int(exponent)}"
+
+
+def quote_series(line: str, rows: list[Row]) -> str:
+    """Return a row of the table of crate `stokes` with the figures of `rows`."""
+    cells = line.strip().split("|")[1:-1]
+    if len(cells) != 6 or not cells[0].strip().isdigit():
+        return line
+    order = cells[0].strip()
+    of = {(r["task"], r["source"], r["width"]): r for r in rows if r["order"] == order}
+    gaussian, square = ("gaussian", "variance × 2"), ("rectangle", "half-width 4 σ")
+    figures = [
+        float(of["evaluate f64", *gaussian]["ns"]),
+        float(of["evaluate f32 16 points", *gaussian]["ns"]),
+        float(of["project", *square]["ns"]) * 1e-3,
+        *(float(of["project", *source]["l2_error"]) for source in (gaussian, square)),
+    ]
+    return f"//! | {' | '.join([order, *map(short, figures)])} |"
+
+
+def quote_interaction(line: str, rows: list[Row]) -> str:
+    """Return a row of the table of crate `mueller16` with the figures of `rows`."""
+    cells = [cell.strip() for cell in line.split("|")[1:-1]]
+    for row in rows:
+        if len(cells) == 4 and cells[:3] == [row["part"], row["name"], row["order"]]:
+            indent = line[: line.index("///")]
+            return f"{indent}/// | {' | '.join(cells[:3])} | {float(row['least_ns']):.0f} |"
+    return line
+
+
+def quote(page: Path, rows: list[Row], quoted: Callable[[str, list[Row]], str]) -> None:
+    """Write the figures that a page of Rust quotes anew."""
+    lines = page.read_text(encoding="utf-8").splitlines()
+    comment = ("//! |", "/// |")
+    new = [quoted(line, rows) if line.strip().startswith(comment) else line for line in lines]
+    page.write_text("\n".join(new) + "\n", encoding="utf-8")
+
+
 def rows_of(example: list[str], given: Path | None, table: Path) -> list[Row]:
     """Measure, or copy an earlier CSV, and return its rows."""
     if given is None:
+        # the load of others, not of the build
+        made = origin.made(f"crate {example[example.index('-p') + 1]}")
         if subprocess.run([*example, str(table)], cwd=run.ROOT).returncode != 0:
             fail("the example failed")
+        stamp(table, made)
     elif given.resolve() != table:
         shutil.copyfile(given, table)
     with table.open(encoding="utf-8", newline="") as lines:
@@ -233,12 +300,18 @@ def main() -> int:
     args = parser.parse_args()
     in_environment()
     args.o.mkdir(parents=True, exist_ok=True)
-    for name, example, given, picture in (
-        (NAME, EXAMPLE, args.csv, draw),
-        (INTERACTION, INTERACTION_EXAMPLE, args.interaction_csv, draw_interaction),
-    ):
+    crates = run.ROOT / "crates"
+    for name, example, given, picture, page, quoted in (
+        (NAME, EXAMPLE, args.csv, draw, crates / "stokes/src/lib.rs", quote_series),
+        (
+            INTERACTION, INTERACTION_EXAMPLE, args.interaction_csv, draw_interaction,
+            crates / "mueller16/src/theorem.rs", quote_interaction,
+        ),
+    ):  # fmt: skip
         table = (args.o / f"{name}.csv").resolve()
         rows = rows_of(example, given, table)
+        if table.parent == (run.ROOT / "docs").resolve():
+            quote(page, rows, quoted)
         png = table.with_suffix(".png")
         picture(rows, png)
         print(f"wrote {table} and {png}")

@@ -174,22 +174,22 @@ impl Channels {
     /// order N, whatever the number of channels; no allocation for one envelope. Autocorrelations of one Gaussian each are
     /// met four at a time.
     ///
-    /// Least times over rounds on one core of a 2 GHz Xeon, built for nothing newer than SSE2
-    /// (`cargo run --release -p mueller16 --example interaction_run_time -- OUT.csv`; `docs/interaction_run_time.csv` has
-    /// the rest, with errors):
+    /// Least times over rounds on one core, built for nothing newer than SSE2. The first line of
+    /// `docs/interaction_run_time.csv` names machine and date, the file has the rest, with errors;
+    /// `validation/run_time_against_error.py` measures it all and writes this table:
     ///
     /// | part | matter | N | ns |
     /// |---|---|---|---|
-    /// | yardstick | 4 channels of one autocorrelation | 0 | 86 |
-    /// | yardstick | 4 channels of 4 autocorrelations | 0 | 209 |
-    /// | yardstick | 16 channels of one autocorrelation | 4 | 163 |
-    /// | yardstick | 16 channels of 16 autocorrelations | 4 | 1200 |
-    /// | yardstick | the same with 4 series | 4 | 2307 |
-    /// | skip | 64 Gaussians | 4 | 2352 |
-    /// | skip | 64 Gaussians isotropic | 4 | 2206 |
-    /// | skip | 64 Gaussians in f32 | 4 | 1691 |
-    /// | grating | all orders | 0 | 1279 |
-    /// | grating | orders within 1e-4 | 0 | 1297 |
+    /// | yardstick | 4 channels of one autocorrelation | 0 | 71 |
+    /// | yardstick | 4 channels of 4 autocorrelations | 0 | 149 |
+    /// | yardstick | 16 channels of one autocorrelation | 4 | 125 |
+    /// | yardstick | 16 channels of 16 autocorrelations | 4 | 861 |
+    /// | yardstick | the same with 4 series | 4 | 1878 |
+    /// | skip | 64 Gaussians | 4 | 1995 |
+    /// | skip | 64 Gaussians isotropic | 4 | 1748 |
+    /// | skip | 64 Gaussians in f32 | 4 | 1429 |
+    /// | grating | all orders | 0 | 895 |
+    /// | grating | orders within 1e-4 | 0 | 778 |
     ///
     /// # Errors
     ///

@@ -94,22 +94,23 @@
 //!
 //! # Cost and error
 //!
-//! What `cargo run --release -p stokes --example run_time_against_error -- OUT.csv` prints, on one core of a 2 GHz Xeon
-//! that others used too (`docs/run_time_against_error.csv`, drawn in `docs/run_time_against_error.png`; its build knows
-//! nothing newer than SSE2). Time to sum a Gaussian's series of order N at a point: [`contract`] in f64, [`contract_at`]
-//! for 16 points in f32; time to find the coefficients of a square ([`Envelope::modes`]). Errors of the truncated far
-//! field in the L² norm, relative: a Gaussian over a shape of twice its variance, a square whose half-width is 4 σ of
-//! the shape. Evaluation in f32 adds less than 1e-6 of the largest value (measured within three standard deviations).
+//! What `validation/run_time_against_error.py` measures and writes here, on one core, built for nothing newer than SSE2
+//! (`docs/run_time_against_error.csv`, whose first line names machine and date, drawn in
+//! `docs/run_time_against_error.png`). Time to sum a Gaussian's series of order N at a point: [`contract`] in f64,
+//! [`contract_at`] for 16 points in f32; time to find the coefficients of a square ([`Envelope::modes`]). Errors of the
+//! truncated far field in the L² norm, relative: a Gaussian over a shape of twice its variance, a square whose half-width
+//! is 4 σ of the shape. Evaluation in f32 adds less than 1e-6 of the largest value (measured within three standard
+//! deviations).
 //!
 //! | N | sum in f64, ns | sum in f32, ns a point | coefficients, µs | error, Gaussian | error, square |
 //! |---|---|---|---|---|---|
-//! | 0 | 12 | 3.5 | 0.50 | 0.33 | 0.90 |
-//! | 2 | 19 | 4.6 | 0.77 | 0.11 | 0.78 |
-//! | 4 | 27 | 6.2 | 0.81 | 0.037 | 0.65 |
-//! | 8 | 50 | 15 | 1.0 | 0.0041 | 0.38 |
-//! | 16 | 210 | 39 | 2.4 | 5.1e-5 | 0.21 |
-//! | 32 | 502 | 113 | 7.1 | 7.7e-9 | 0.15 |
-//! | 64 | 1166 | 389 | 21 | 1.8e-16 | 0.12 |
+//! | 0 | 11 | 3.2 | 0.44 | 0.33 | 0.90 |
+//! | 2 | 15 | 4.1 | 0.52 | 0.11 | 0.78 |
+//! | 4 | 24 | 5.4 | 0.62 | 0.037 | 0.65 |
+//! | 8 | 41 | 9.9 | 0.80 | 0.0041 | 0.38 |
+//! | 16 | 148 | 26 | 1.5 | 5.1e-5 | 0.21 |
+//! | 32 | 337 | 77 | 3.7 | 7.7e-9 | 0.15 |
+//! | 64 | 899 | 256 | 12 | 1.8e-16 | 0.12 |
 //!
 //! A hard edge converges as N^(−1/4) only: split such a source instead ([`Envelope::patches_for`]).
 #![forbid(unsafe_code)]

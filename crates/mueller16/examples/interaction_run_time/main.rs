@@ -6,7 +6,8 @@
 //!
 //! Times are medians over rounds in which the contestants of a race take turns, and the least of them; ratios are medians
 //! of the rounds' ratios to the last contestant of the race. Errors are the largest over a fan of directions, relative
-//! to the largest value of the lobe. `validation/run_time_against_error.py` draws the picture.
+//! to the largest value of the lobe: `truncation` is what the sum leaves out, against a longer one in f64; `rounding` what
+//! f32 makes of the same sum. `validation/run_time_against_error.py` draws the picture.
 
 #[path = "../../../stokes/examples/run_time_against_error/clock.rs"]
 mod clock;
@@ -30,7 +31,8 @@ pub(crate) struct Row {
     pub(crate) channels: usize,
     /// `f64` or `f32`.
     pub(crate) number: &'static str,
-    pub(crate) error: Option<f64>,
+    pub(crate) truncation: Option<f64>,
+    pub(crate) rounding: Option<f64>,
 }
 
 /// The table as it grows.
@@ -58,14 +60,16 @@ impl Table {
                 terms,
                 channels,
                 number,
-                error,
+                truncation,
+                rounding,
             } = row;
-            let error = error.map_or(String::new(), |error| format!("{error:.3e}"));
+            let [truncation, rounding] = [truncation, rounding]
+                .map(|error| error.map_or(String::new(), |error| format!("{error:.3e}")));
             println!(
-                "{part:9} {name:44} {order:3} {terms:5} {channels:3} {number} {ns:10.1} {least:10.1} {ratio:7.3} {error}"
+                "{part:9} {name:44} {order:3} {terms:5} {channels:3} {number} {ns:10.1} {least:10.1} {ratio:7.3} {truncation:9} {rounding}"
             );
             let line = format!(
-                "{part},{name},{order},{terms},{channels},{number},{ns:.2},{least:.2},{ratio:.4},{error}"
+                "{part},{name},{order},{terms},{channels},{number},{ns:.2},{least:.2},{ratio:.4},{truncation},{rounding}"
             );
             self.0.push_str(&line);
             self.0.push('\n');
@@ -82,10 +86,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     writeln!(
         table.0,
         "# made by: cargo run --release -p mueller16 --example interaction_run_time -- OUT.csv; times in ns a transfer\n\
-         part,name,order,terms,channels,number,ns,least_ns,ratio,error"
+         part,name,order,terms,channels,number,ns,least_ns,ratio,truncation,rounding"
     )?;
     println!(
-        "part      name                                           N terms  ch num         ns      least   ratio error"
+        "part      name                                           N terms  ch num         ns      least   ratio truncation rounding"
     );
     races::yardsticks(&mut table)?;
     races::channels(&mut table)?;

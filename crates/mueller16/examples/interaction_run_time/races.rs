@@ -45,7 +45,8 @@ fn row(name: &'static str, order: usize, terms: usize, channels: usize) -> Row {
         terms,
         channels,
         number: "f64",
-        error: None,
+        truncation: None,
+        rounding: None,
     }
 }
 
@@ -236,12 +237,13 @@ pub(crate) fn orders(table: &mut Table) -> Outcome {
             let rounding = error_of(in_single, intensity(&matter, &light))?;
             let terms = r.term_count();
             let f64_row = Row {
-                error: Some(error),
+                truncation: Some(error),
                 ..row(name, order, terms, 4)
             };
             let f32_row = Row {
                 number: "f32",
-                error: Some(rounding),
+                truncation: Some(error),
+                rounding: Some(rounding),
                 ..row(single, order, terms, 4)
             };
             table.race(
@@ -283,7 +285,7 @@ pub(crate) fn roughness(table: &mut Table) -> Outcome {
             let matter = matter::shared(4, r);
             let error = error_of(intensity(&matter, &light), intensity(&truth, &light))?;
             let entry = Row {
-                error: Some(error),
+                truncation: Some(error),
                 ..row(name, 0, terms, 4)
             };
             table.race("rough", vec![(entry, transfer(&matter, &g, &light))]);
@@ -312,7 +314,7 @@ pub(crate) fn heights(table: &mut Table) -> Outcome {
             let matter = matter::shared(4, r);
             let error = error_of(intensity(&matter, &light), intensity(&truth, &light))?;
             let entry = Row {
-                error: Some(error),
+                truncation: Some(error),
                 ..row(name, 0, terms, 4)
             };
             let whole: Work<'_> = Box::new(|| {
@@ -352,7 +354,7 @@ pub(crate) fn grating(table: &mut Table) -> Outcome {
                 Ok(found.total().element(0, 0))
             };
             let entry = Row {
-                error: Some(error_of(found, intensity(&matter, &light))?),
+                truncation: Some(error_of(found, intensity(&matter, &light))?),
                 ..row(name, order, terms, 8)
             };
             race.push((entry, within::<f64>(&matter, &g, &light, tolerance)));
