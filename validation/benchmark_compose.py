@@ -60,8 +60,9 @@ tree together, sorted by direction, so that a node is fetched once for all of th
 lamp by way of the metal sphere or through the glass box onto matt walls: with white plaster in
 place of both (the matte box below) it is gone. No connection to the lamp finds that light; a ray
 that leaves a wall must hit sphere or box by chance, and then the lamp. In `rough_conductor` most of
-it is light that the lamp sends by way of two metals, sphere and plate: at the second one connection
-and lobe share the work (MIS), nothing guides the lobe of the first. Better points hardly help there.
+it is light that the lamp sends by way of two metals, sphere and plate: at the one that it meets
+first connection and lobe share the work (MIS), nothing guides the lobe of the other, which the path
+meets before. Better points hardly help there.
 What would move it: paths begun at the lamp too (bidirectional, or photons), connections through
 smooth matter (manifolds), or directions learnt from earlier samples (guiding).
 
