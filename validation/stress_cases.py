@@ -10,7 +10,8 @@ lengths in an area.  Of SAMPLES paths of 8 vertices
 
 pixels are expected to differ, and 5 standard deviations of that count more are allowed.  In a box
 of mirrors a hit within 4 ε of an edge may miss the other wall: of as many hits a path may be lost
-then, with the rest of its light.
+then, with the rest of its light.  A matt direction is drawn from two numbers of 24 bits; if either
+is 0 the direction lies in the surface, and the path ends.
 """
 
 from collections.abc import Callable, Iterator
@@ -18,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import stress_scenes as scenes
-from common import ROUND_OFF, Array, Image, Report, sidak_z
+from common import INDEPENDENT, ROUND_OFF, Array, Image, Report, sidak_z
 from optics import from_amplitudes, reflection_amplitudes
 
 EPSILON = 2.0**-24
@@ -140,10 +141,13 @@ WAVE_MATTER: dict[str, Callable[[float], str]] = {
     "grating": lambda w: (
         f'<bsdf type="grating">{length("pitch", 7 * w)}{length("depth", 0.3 * w)}{METAL}</bsdf>'
     ),
+    "fine grating": lambda w: (
+        f'<bsdf type="grating">{length("pitch", 0.9 * w)}{length("depth", 0.1 * w)}{METAL}</bsdf>'
+    ),
 }
 
 
-# nm; gratings have pitches up to 1 mm
+# nm; gratings have pitches up to 1 mm, this one of seven wavelengths
 LONGEST = {"grating": 1e5}
 
 
@@ -151,17 +155,23 @@ def long_paths(judge: Judge) -> None:
     """Follow light over 1000 bounces that lose nothing."""
     bounces = 1000
     drift = (VERTEX / 2 + 0.5) * bounces * EPSILON
-    image = judge.shoot(scenes.mirror_box(bounces + 1))
-    relative = image.mean[..., 0] / (bounces + 1)
-    # 8 edges' length on the area of 4 of a wall, 4 ε wide
-    pixels = relative[:, :, 0].size
-    lost = pixels * scenes.SAMPLES * bounces * 2 * 4 * EPSILON
-    share = (lost + 5 * np.sqrt(lost)) / (pixels * scenes.SAMPLES)
-    energy = relative[..., 0]
-    judge.number("1001 shining mirrors: S0/1001 of the median", np.median(energy), 1, drift)
-    judge.number("1001 shining mirrors: S0/1001 of the brightest", energy.max(), 1, drift)
-    judge.number("1001 shining mirrors: S0/1001 of the mean", energy.mean(), 1, drift + share)
-    judge.number("1001 shining mirrors: S1…S3", relative[..., 1:], 0, drift)
+    paths = scenes.SIZE**2 * scenes.SAMPLES
+    # of mirrors: 8 edges' length on the area of 4 of a wall, 4 ε wide; of matt: ε for each number
+    per_bounce = {"mirrors": 2 * 4 * EPSILON, "points of a white sphere": 2 * EPSILON}
+    for what, text in (
+        ("mirrors", scenes.mirror_box(bounces + 1)),
+        ("points of a white sphere", scenes.white_sphere(bounces + 1)),
+    ):
+        lost = paths * bounces * per_bounce[what]
+        share = (lost + 5 * np.sqrt(lost)) / paths
+        for points, sampler in (("", INDEPENDENT), (", Sobol' points", ())):
+            relative = judge.shoot(text, sampler=sampler).mean[..., 0] / (bounces + 1)
+            energy = relative[..., 0]
+            name = f"1001 shining {what}{points}"
+            judge.number(f"{name}: S0/1001 of the median", np.median(energy), 1, drift)
+            judge.number(f"{name}: S0/1001 of the brightest", energy.max(), 1, drift)
+            judge.number(f"{name}: S0/1001 of the mean", energy.mean(), 1, drift + share)
+            judge.number(f"{name}: S1…S3", relative[..., 1:], 0, drift)
 
     state = (0.1, 0.6, 0.3)
     image = judge.shoot(scenes.corridor(bounces, state))

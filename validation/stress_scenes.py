@@ -5,7 +5,8 @@ A box has its walls at ±1 times the scale, lengths in metres; `core` fills it.
 
 import numpy as np
 
-SAMPLES = 16
+# samples a pixel, and pixels along an edge
+SAMPLES, SIZE = 16, 32
 WALLS = {
     "floor": ('<rotate x="1" y="0" z="0" angle="-90"/>', (0, -1, 0)),
     "ceiling": ('<rotate x="1" y="0" z="0" angle="90"/>', (0, 1, 0)),
@@ -44,7 +45,7 @@ def scene(
     target: tuple[float, float, float],
     up: tuple[float, float, float] = (0, 1, 0),
     fov: float = 40,
-    size: int = 32,
+    size: int = SIZE,
 ) -> str:
     """Return a scene file around `content`."""
     look = " ".join(
@@ -109,6 +110,13 @@ def mirror_box(depth: int) -> str:
     perfect = '<bsdf type="conductor"/>' + area(1)
     walls = "".join(wall(name, perfect) for name in WALLS)
     return scene(walls, depth=depth, origin=(0.11, 0.07, 0.3), target=(0.5, -0.3, -0.9), fov=60)
+
+
+def white_sphere(depth: int) -> str:
+    """Return a closed matt sphere, seen from inside, that reflects everything and shines with 1."""
+    inward = '<boolean name="flip_normals" value="true"/>'
+    sphere = ball((0.0, 0.0, 0.0), 1, 1, inward + matte(1) + area(1))
+    return scene(sphere, depth=depth, origin=(0.2, 0.1, 0.3), target=(0.5, -0.3, -0.9), fov=60)
 
 
 def corridor(bounces: int, state: tuple[float, float, float]) -> str:
