@@ -15,6 +15,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+import origin
 from common import ROOT, Array, Image, arguments, read, render
 
 # scene file, and what to put into it
@@ -77,6 +78,7 @@ def main() -> int:
     args = parser.parse_args()
     if unknown := set(args.scenes) - set(CASES):
         parser.error(f"no case {', '.join(sorted(unknown))}, expected of {', '.join(CASES)}")
+    print(f"{origin.made('brewster')}\n")
     print("| scene | gain at equal error: S0 | S1 | S2 | S3 | bias of S0 | seen above |")
     print("|---|---|---|---|---|---|---|")
     for name in args.scenes or CASES:

@@ -21,6 +21,7 @@ from pathlib import Path
 
 import mitsuba_peer
 import numpy as np
+import origin
 from common import SCENES, Array, arguments, read, render, skip
 
 PEER_FIGURES = Path(__file__).parent / "mitsuba_speed.json"
@@ -72,7 +73,7 @@ def against(other: str, names: list[str], spp: int, repetitions: int) -> None:
 def instructions(names: list[str], spp: int, repetitions: int) -> None:
     """Print 10⁶ paths per core-second with each kind of vector instructions, scene by scene."""
     kinds = {"portable": "portable", "AVX2": "avx2", "all there are": ""}
-    print("10⁶ paths per core-second, 256×256\n")
+    print(f"10⁶ paths per core-second, 256×256\n\n{origin.made('brewster')}\n")
     print(f"| scene | {' | '.join(kinds)} |")
     print("|---" * (len(kinds) + 1) + "|")
     for name in names:
@@ -106,7 +107,7 @@ def main() -> int:
     if args.require and not beside:
         return skip(mitsuba_peer.MISSING, required=True)
 
-    print("10⁶ paths per core-second, 256×256\n")
+    print(f"10⁶ paths per core-second, 256×256\n\n{origin.made('brewster')}\n")
     now = " Mitsuba now | ratio |" if beside else ""
     print(f"| scene | Brewster | unpolarized | cost | Mitsuba, stored | ratio |{now}")
     print("|---" * (8 if beside else 6) + "|")

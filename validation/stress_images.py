@@ -32,9 +32,8 @@ top of `validation/stress_cases.py`.
 
 In a box of perfect mirrors a path that hits within rounding of an edge may miss the wall on the
 other side of it, and be lost with the rest of its light: the row of the mean says how much that is.
-In the white sphere that shines on itself no ray is lost; but a direction is drawn from numbers of
-24 bits, and where one of two is 0 it lies in the surface and ends its path: 2 · 2⁻²⁴ of all
-bounces at most.
+A matt direction is drawn from two numbers of 24 bits; where one of them is 0 it may lie in the
+surface, and the path ends there: at most 2 · 2⁻²⁴ of the bounces in the white sphere.
 
 Gratings have pitches up to 1 mm (longer ones are refused), so that the one of seven wavelengths is
 asked up to 0.1 mm; the fine one, of 0.9 wavelengths, up to 1 mm as everything else.
