@@ -72,26 +72,49 @@ fn the_number_of_threads_changes_no_bit() {
     }
 }
 
+/// What the program makes of a small image of a bundled scene, with these instructions and threads.
+fn written(place: &Path, scene: &str, options: &[&str], wish: &str, threads: &str) -> Vec<u8> {
+    let file = place.join("image.npy");
+    let scene = repository().join("scenes").join(scene).join("scene.xml");
+    let status = brewster()
+        .env("BREWSTER_SIMD", wish)
+        .args(["render", "--size", "24x18", "--quiet", "--threads", threads])
+        .args(options)
+        .arg("-o")
+        .args([&file, &scene])
+        .status()
+        .unwrap();
+    assert!(status.success(), "{scene:?} {options:?} {wish}");
+    std::fs::read(&file).unwrap()
+}
+
+/// Scenes in colour, paths one by one among them, with samples alike in all pixels and spread.
+const SHOTS: [(&str, &[&str]); 6] = [
+    ("cornell_spectral", &["--rgb", "--spp", "16"]),
+    ("showroom", &["--rgb", "--spp", "16"]),
+    ("double_slit", &["--rgb", "--spp", "4"]),
+    ("cornell_spectral", &["--rgb", "--spp", "64", "--adaptive"]),
+    ("showroom", &["--target-error", "0.1", "--spp", "256"]),
+    ("double_slit", &["--spp", "32", "--adaptive"]),
+];
+
 #[test]
 fn the_instructions_of_the_processor_change_no_bit() {
     let place = tempfile::tempdir().unwrap();
-    for name in ["cornell_spectral", "showroom"] {
-        let scene = repository().join("scenes").join(name).join("scene.xml");
-        let image = |wish: &str| {
-            let file = place.path().join(format!("{name}{wish}.npy"));
-            let status = brewster()
-                .env("BREWSTER_SIMD", wish)
-                .args([
-                    "render", "--rgb", "--size", "24x18", "--spp", "16", "--quiet", "-o",
-                ])
-                .args([&file, &scene])
-                .status()
-                .unwrap();
-            assert!(status.success(), "{name} {wish}");
-            std::fs::read(&file).unwrap()
-        };
-        let [all, avx2, portable] = ["", "avx2", "portable"].map(image);
-        assert!(all == avx2 && all == portable, "{name}");
+    for (scene, options) in SHOTS {
+        let [all, avx2, portable] =
+            ["", "avx2", "portable"].map(|wish| written(place.path(), scene, options, wish, "2"));
+        assert!(all == avx2 && all == portable, "{scene} {options:?}");
+    }
+}
+
+#[test]
+fn the_number_of_threads_changes_no_bit_of_what_is_written() {
+    let place = tempfile::tempdir().unwrap();
+    for (scene, options) in SHOTS {
+        let [one, two, three] =
+            ["1", "2", "3"].map(|threads| written(place.path(), scene, options, "", threads));
+        assert!(one == two && one == three, "{scene} {options:?}");
     }
 }
 

@@ -46,6 +46,8 @@ components are those of the six, then of all seven; the tables by scene count ev
 """
 SPEED = """
 10⁶ a core-second at 256×256, 16 samples a pixel, the best of the turns. Paths are camera samples.
+Here and below only ratios within a table count: between runs the machine and the number of samples
+change the rates themselves by some tenths.
 """
 BOUNDS = """
 ## What bounds it, and what would move it
