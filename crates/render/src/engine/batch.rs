@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::Job;
 use super::spread::{Goal, Goals};
 use super::worker::{PER_SAMPLE, Taken, go_on, listen, pixel_number};
-use crate::colour::sample_wavelength;
+use crate::colour::sample_wavelengths;
 use crate::film::{Colours, SampleSums, SpectralMode, TileSums};
 use crate::filter::FilterSampler;
 use crate::geometry::bvh::Stack;
@@ -276,15 +276,20 @@ impl<L: Abreast> Pass<'_, L> {
                 }
             }
             SpectralMode::Rgb => {
-                let place = stream.pairs(R::B::splat(2))[0].lanes();
+                let place = stream.pairs(R::B::splat(2))[0];
                 let drawn = &mut batch.drawn[first..first + R::LANES];
-                for (drawn, u) in drawn.iter_mut().zip(place) {
-                    *drawn = std::array::from_fn(|k| {
-                        sample_wavelength((u + k as f32 / PER_SAMPLE as f32).fract())
-                    });
-                }
-                for (w, value) in wavelengths.as_mut().iter_mut().enumerate() {
-                    *value = R::from_fn(|lane| drawn[lane % R::LANES][first_wave + w].0);
+                for k in 0..PER_SAMPLE {
+                    let u = place + R::splat(k as f32 / PER_SAMPLE as f32);
+                    let beyond = R::one().only(u.ge(R::one()));
+                    let (nm, density) = sample_wavelengths(u - beyond);
+                    let (all_nm, densities) = (nm.lanes(), density.lanes());
+                    for (lane, drawn) in drawn.iter_mut().enumerate() {
+                        drawn[k] = (all_nm[lane], densities[lane]);
+                    }
+                    let of_path = k.checked_sub(first_wave);
+                    if let Some(value) = of_path.and_then(|w| wavelengths.as_mut().get_mut(w)) {
+                        *value = nm;
+                    }
                 }
             }
         }
