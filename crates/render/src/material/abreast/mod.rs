@@ -428,7 +428,7 @@ impl Diffuse {
         u: [R; 3],
     ) -> Departures<R, L::Answers<R>> {
         let direction = cosine_hemispheres([u[1], u[2]]);
-        let (answers, density) = self.answer::<R, L>(at, direction, wavelengths);
+        let (m00, density) = self.reflected::<R, L>(at, direction, wavelengths);
         let exist = density.gt(R::zero());
         Departures {
             exist,
@@ -437,7 +437,7 @@ impl Diffuse {
             continuous: exist,
             straight: R::nowhere(),
             eta: R::one(),
-            answers,
+            answers: L::depolarizing_lanes(m00),
         }
     }
 
@@ -448,12 +448,24 @@ impl Diffuse {
         i: V3<R>,
         wavelengths: &L::Values<R>,
     ) -> (L::Answers<R>, R) {
+        let (m00, density) = self.reflected::<R, L>(at, i, wavelengths);
+        (L::depolarizing_lanes(m00), density)
+    }
+
+    /// M00 times the cosine, and the density of directions.
+    #[inline(always)]
+    fn reflected<R: Real, L: Abreast>(
+        &self,
+        at: &Vertices<R>,
+        i: V3<R>,
+        wavelengths: &L::Values<R>,
+    ) -> (L::Values<R>, R) {
         let lit = at.o.z.gt(R::zero()) & i.z.gt(R::zero());
         let density = (i.z * R::splat(FRAC_1_PI)).only(lit);
         let mut m00 = *wavelengths;
         for value in m00.as_mut() {
             *value = values(self.reflectance(), *value) * density;
         }
-        (L::depolarizing_lanes(m00), density)
+        (m00, density)
     }
 }

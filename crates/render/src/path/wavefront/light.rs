@@ -93,18 +93,21 @@ impl<S> Link<'_, S> {
             return;
         }
         let i = at.axes.to_local(found.direction);
-        let (mut answers, own) = material.answer::<R, L>(at, i, wavelengths, ask);
+        // answers are large, and stay where they are
+        let mut answered = material.answer::<R, L>(at, i, wavelengths, ask);
+        let own = answered.1;
         let lit = ask & own.gt(R::zero());
         if !lit.any() {
             return;
         }
-        L::to_world(&mut answers, &at.axes);
+        let answers = &mut answered.0;
+        L::to_world(answers, &at.axes);
         let share = power_heuristic(looked.density, own);
         let share = R::select(found.discrete, R::one(), share);
         let weight = share * found.weight / looked.density;
         let (o, k) = (-paths.rays.direction, -found.direction);
         if scene.traits().straight {
-            let mut through = L::extended(throughput, &answers, weight, o);
+            let mut through = L::extended(throughput, answers, weight, o);
             let room = self.options.max_depth - self.depth - 1;
             let free = R::apart(PassOn::<R, L> {
                 link: &mut *self,
@@ -122,7 +125,7 @@ impl<S> Link<'_, S> {
             let rays = shadow_rays(surfaces, found);
             let free = scene.free(&rays, lit, self.stack) & lit;
             if free.any() {
-                let more = L::seen_through(throughput, &answers, o, &looked.shine, k, weight);
+                let more = L::seen_through(throughput, answers, o, &looked.shine, k, weight);
                 L::add_to(self.sums, paths.sample, &more, free);
             }
         }
