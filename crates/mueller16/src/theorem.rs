@@ -180,16 +180,16 @@ impl Channels {
     ///
     /// | part | matter | N | ns |
     /// |---|---|---|---|
-    /// | yardstick | 4 channels of one autocorrelation | 0 | 71 |
-    /// | yardstick | 4 channels of 4 autocorrelations | 0 | 149 |
-    /// | yardstick | 16 channels of one autocorrelation | 4 | 125 |
-    /// | yardstick | 16 channels of 16 autocorrelations | 4 | 861 |
-    /// | yardstick | the same with 4 series | 4 | 1878 |
-    /// | skip | 64 Gaussians | 4 | 1995 |
-    /// | skip | 64 Gaussians isotropic | 4 | 1748 |
-    /// | skip | 64 Gaussians in f32 | 4 | 1429 |
-    /// | grating | all orders | 0 | 895 |
-    /// | grating | orders within 1e-4 | 0 | 778 |
+    /// | yardstick | 4 channels of one autocorrelation | 0 | 98 |
+    /// | yardstick | 4 channels of 4 autocorrelations | 0 | 247 |
+    /// | yardstick | 16 channels of one autocorrelation | 4 | 168 |
+    /// | yardstick | 16 channels of 16 autocorrelations | 4 | 1497 |
+    /// | yardstick | the same with 4 series | 4 | 2791 |
+    /// | skip | 64 Gaussians | 4 | 1950 |
+    /// | skip | 64 Gaussians isotropic | 4 | 1729 |
+    /// | skip | 64 Gaussians in f32 | 4 | 1389 |
+    /// | grating | all orders | 0 | 830 |
+    /// | grating | orders within 1e-4 | 0 | 773 |
     ///
     /// # Errors
     ///
